@@ -72,6 +72,7 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
         Define("POLL_ID", f"UINT32_C({contract.poll_id:#x})", "master frames of the bus administrator"),
         Define("DEVICE_STATUS_ID", f"UINT32_C({contract.device_status_id:#x})"),
         Define("DEVICE_STATUS_WORD", f"UINT32_C({status_word:#x})", "master word of this device's status"),
+        Define("BIT_RATE", f"{contract.bit_rate}L", "of the bus, bit/s"),
         Define("BASE_TICK_NS", wide(schedule.base_tick_ns)),
         Define("ASSEMBLY_NS", wide(ASSEMBLY_NS), "in which all blocks of a telegram arrive"),
         Define(

@@ -55,7 +55,7 @@ def memory_note(control: Control, source: Source) -> str:
             f"| {own} | {control.comments(name).node} |",
             "| `railhil_mvb.h`, `railhil_ports.h` | telegrams on CAN frames; their members, from the port table |",
             f"| `{name}_node.h` | constants of bus and scenario |",
-            "| `railhil_node.c`, `railhil_socket.c`, `.h` | host program: SocketCAN, or the bench's hub |",
+            "| `railhil_node.c`, `railhil_socket.c`, `.h`, `railhil_slcan.c` | host program: SocketCAN, hub, slcan |",
             "| `railhil_run.c`, `railhil_result.h`, `Makefile` | host program for the log, and its build |",
             "",
             f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",

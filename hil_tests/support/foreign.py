@@ -34,10 +34,11 @@ PORTABLE = (
     "railhil_law.c",
     "railhil_control.c",
 )
-PROGRAM = (*PORTABLE, "railhil_socket.c", "railhil_node.c")
+_HOST = ("railhil_socket.c", "railhil_slcan.c", "railhil_node.c")
+PROGRAM = (*PORTABLE, *_HOST)
 #: The same around a law of a system with an interface.
 PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_telegrams.c", "railhil_law.c", "railhil_control.c")
-PROGRAM_INTERFACE = (*PORTABLE_INTERFACE, "railhil_socket.c", "railhil_node.c")
+PROGRAM_INTERFACE = (*PORTABLE_INTERFACE, *_HOST)
 #: Undefined behaviour and memory errors end the program.
 SANITIZED = ("-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined",
              "-fno-sanitize-recover=all")  # fmt: skip

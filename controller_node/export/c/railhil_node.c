@@ -1,7 +1,8 @@
-/* The exported law as a stand-alone controller on the bus: Linux SocketCAN, or the bench's hub. For the host only.
+/* The exported law as a stand-alone controller on the bus. For the host only (Linux).
  *
  *   @LAW@_node [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
  *   @LAW@_node [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
+ *   @LAW@_node [-w S] [-p S] slcan DEVICE    serial line of an adapter, e.g. /dev/ttyACM0
  *
  *   -w S   seconds to wait for the first frame of the bench (default 300)
  *   -p S   patience in lockstep: the program ends when the bench has been silent for S seconds (default 62: the plant
@@ -76,6 +77,15 @@ static int serve(railhil_bus_t *bus, railhil_control_t *control, long first_fram
     return control->ended == RAILHIL_REFUSED ? EXIT_USAGE : EXIT_ENDED;
 }
 
+/* Kind of bus of a word of the command line, -1: none. */
+static int kind_of(const char *word)
+{
+    return strcmp(word, "can") == 0     ? RAILHIL_BUS_CAN
+           : strcmp(word, "hub") == 0   ? RAILHIL_BUS_HUB
+           : strcmp(word, "slcan") == 0 ? RAILHIL_BUS_SLCAN
+                                        : -1;
+}
+
 /* Seconds of an option; 0 if the text is not an integer from 1 to WAIT_MAX_S. */
 static long seconds(const char *text)
 {
@@ -91,6 +101,7 @@ int main(int argc, char **argv)
     long first_frame_s = FIRST_FRAME_S;
     long patience_s = PATIENCE_S;
     int option;
+    int kind;
     int exit_code;
     opterr = 0;
     while ((option = getopt(argc, argv, "w:p:")) != -1) {
@@ -104,11 +115,12 @@ int main(int argc, char **argv)
     }
     argv += optind;
     argc -= optind;
-    if (argc != 2 || (strcmp(argv[0], "can") != 0 && strcmp(argv[0], "hub") != 0)) {
-        fprintf(stderr, "@LAW@_node: found %d arguments, allowed can INTERFACE, or hub PATH\n", argc);
+    kind = argc == 2 ? kind_of(argv[0]) : -1;
+    if (kind < 0) {
+        fprintf(stderr, "@LAW@_node: found %d arguments, allowed can INTERFACE, hub PATH, or slcan DEVICE\n", argc);
         return EXIT_USAGE;
     }
-    if (railhil_bus_open(&bus, strcmp(argv[0], "hub") == 0, argv[1]) != 0) {
+    if (railhil_bus_open(&bus, (railhil_bus_kind_t)kind, argv[1]) != 0) {
         return EXIT_USAGE;
     }
     railhil_init(&control);

@@ -178,7 +178,12 @@ static int is_down(int error)
 
 int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
 {
-    const ssize_t size = recv(bus->socket, frames, RAILHIL_PACKET_FRAMES * sizeof *frames, 0);
+    ssize_t size;
+    if (bus->kind == RAILHIL_BUS_SLCAN) {
+        const int count = railhil_slcan_receive(bus, frames);
+        return count < 0 ? complain(bus->channel, "lost", strerror(errno)) : count;
+    }
+    size = recv(bus->socket, frames, RAILHIL_PACKET_FRAMES * sizeof *frames, 0);
     if (size > 0) {
         if (bus->down) {
             bus->down = 0;
@@ -195,7 +200,7 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
         }
         return 0;
     }
-    if (bus->is_hub || !is_down(errno)) {
+    if (bus->kind == RAILHIL_BUS_HUB || !is_down(errno)) {
         return complain(bus->channel, "lost", strerror(errno));
     }
     if (!bus->down) {
@@ -211,9 +216,13 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
 int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned count, int lockstep)
 {
     struct can_frame frames[RAILHIL_FRAMES_MAX];
-    const unsigned at_once = bus->is_hub ? count : 1u;
+    const unsigned at_once = bus->kind == RAILHIL_BUS_HUB ? count : 1u;
     const int64_t until_ms = railhil_now_ms() + (lockstep ? bus->lockstep_ms : SEND_MS);
     unsigned i;
+    if (bus->kind == RAILHIL_BUS_SLCAN) {
+        const int done = railhil_slcan_send(bus, answer, count);
+        return done < 0 ? complain(bus->channel, "cannot send", strerror(errno)) : 0;
+    }
     memset(frames, 0, sizeof frames);
     for (i = 0; i < count; i++) {
         frames[i].can_id = answer[i].can_id;
@@ -226,7 +235,7 @@ int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned
             if (error == EINTR) {
                 continue;
             }
-            if (bus->is_hub || (error != ENOBUFS && error != EAGAIN && !is_down(error))) {
+            if (bus->kind == RAILHIL_BUS_HUB || (error != ENOBUFS && error != EAGAIN && !is_down(error))) {
                 return complain(bus->channel, "cannot send", strerror(error));
             }
             if ((is_down(error) && !lockstep) || railhil_now_ms() > until_ms) {
@@ -239,13 +248,22 @@ int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned
     return 0;
 }
 
-int railhil_bus_open(railhil_bus_t *bus, int is_hub, const char *channel)
+/* A serial line. */
+static int open_slcan(const char *path)
+{
+    const int fd = railhil_slcan_open(path);
+    return fd < 0 ? complain(path, "cannot be opened", strerror(errno)) : fd;
+}
+
+int railhil_bus_open(railhil_bus_t *bus, railhil_bus_kind_t kind, const char *channel)
 {
     memset(bus, 0, sizeof *bus);
-    bus->is_hub = is_hub;
+    bus->kind = kind;
     bus->channel = channel;
     bus->lockstep_ms = SEND_LOCKSTEP_MS;
     make_filters(bus);
-    bus->socket = is_hub ? open_hub(channel) : open_can(bus);
+    bus->socket = kind == RAILHIL_BUS_HUB     ? open_hub(channel)
+                  : kind == RAILHIL_BUS_SLCAN ? open_slcan(channel)
+                                              : open_can(bus);
     return bus->socket < 0 ? -1 : 0;
 }

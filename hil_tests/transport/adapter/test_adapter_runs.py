@@ -12,6 +12,7 @@ import pytest
 
 from hil_tests.support.adapter_rig import Rig, Timetable
 from hil_tests.support.cli import command, railhil
+from hil_tests.support.foreign import build_node, export_node, without_status
 from hil_tests.support.warm import run_module
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
@@ -146,6 +147,22 @@ def test_a_controller_behind_an_adapter_gives_the_same_bytes(rig, move, move_fil
     found = {key: status[key] for key in ("open", "bit_rate", "refused_frames", "receive_overrun") if key in status}
     assert found == {"open": False, "bit_rate": 500_000}
     assert status["transmitted"] > 1000
+
+
+@pytest.mark.slow
+@pytest.mark.needs_compiler
+def test_the_exported_program_behind_an_adapter_gives_the_same_frames(rig, move, tmp_path):
+    for name in ("run", "local"):
+        (tmp_path / name).mkdir()
+    export_node(move, tmp_path / "export")
+    program = build_node(tmp_path / "export")
+    line = [str(program), "slcan", str(rig.port)]
+    result, exit_codes = run_on(rig.hub, move, tmp_path / "run", seed=_SEED, controller_command=line)
+    assert (result.line, exit_codes) == ("", [0, 0])
+    local_run(move, tmp_path / "local", RunSpec(seed=_SEED))
+    found, expected = (without_status(tmp_path / name / "frames.log") for name in ("run", "local"))
+    assert found == expected
+    assert rig.status()["bit_rate"] == 500_000
 
 
 @pytest.mark.long

@@ -48,6 +48,7 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "railhil_result.h",
             "railhil_run.c",
             "railhil_safe.h",
+            "railhil_slcan.c",
             "railhil_socket.c",
             "railhil_socket.h",
             "railhil_telegrams.c",

@@ -351,7 +351,7 @@ def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
 def test_an_answer_in_lockstep_waits_for_the_interface(folder: Path) -> None:
     """In real time the answer is dropped, since a newer one follows; in lockstep none follows."""
     (folder / "send.c").write_text(_SEND)
-    program = build(folder, ["send.c"], "send", STRICT)
+    program = build(folder, ["send.c", "railhil_slcan.c"], "send", STRICT)
 
     def sent(*arguments: object) -> str:
         done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False)
