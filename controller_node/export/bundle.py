@@ -12,6 +12,7 @@ from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.control import Control, Play, Source, Word
+from railhil.controller_node.export.filters import filters_header
 from railhil.controller_node.export.fixed import names_of_iqmath
 from railhil.controller_node.export.headers import mailbox_header, node_header
 from railhil.controller_node.export.interface import InterfaceControl
@@ -76,10 +77,12 @@ def _host_program(name: str, control: Control) -> str:
 
 def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     received, sent = control.ports()
-    mailboxes = mailbox_header(name, mailbox_table(control.contract, received, sent))
+    table = mailbox_table(control.contract, received, sent)
+    mailboxes, filters = mailbox_header(name, table), filters_header(name, table)
     node = node_header(name, control)
     taken = names_of_files(SHARED) | names_of_files(control.folder)
-    taken |= names_defined(source.header) | names_defined(mailboxes) | names_defined(node)
+    taken |= names_defined(source.header) | names_defined(mailboxes) | names_defined(filters)
+    taken |= names_defined(node)
     places = control.places(source, port_constants([*received, *sent], taken))
     shared = {
         "GIVEN": ", ".join(f"given[{i}]" for i in range(len(control.given))),
@@ -89,6 +92,7 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     own = [*control.headers, *control.sources]
     return {
         f"{name}_mailboxes.h": mailboxes,
+        "railhil_filters.h": filters,
         "railhil_ports.h": ports_header(control, taken),
         f"{name}_node.h": node,
         **{file: template(file, name, **shared) for file in (*_HEADERS, *_SOURCES)},

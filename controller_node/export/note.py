@@ -49,6 +49,7 @@ def memory_note(control: Control, source: Source) -> str:
             if is_fixed
             else "| `railhil_f32.h` | the arithmetic `float32` |",
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
+            "| `railhil_filters.h` | acceptance filters of other CAN controllers: bxCAN, FDCAN and M_CAN, ZynqMP |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
             "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
             "| `railhil_law.c`, `.h` | control periods of the law |",
