@@ -70,12 +70,12 @@ test-here: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory test-real-time
 
 test-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool browser --tool ssh "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
+	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
 
 test-long-side-by-side: export RAILHIL_SAMPLE = $(if $(SAMPLE),$(SAMPLE) $(DAY))
 test-long-side-by-side: OF_DAY = $(if $(SAMPLE), (one of $(SAMPLE): those of $(DAY)))
 test-long-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool browser --tool ssh "long tests$(OF_DAY)" $(SIDE_BY_SIDE) -m "$(HERE) and long"
+	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "long tests$(OF_DAY)" $(SIDE_BY_SIDE) -m "$(HERE) and long"
 
 test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import settings
 
 from hil_tests.hashes import choose
+from hil_tests.machines.tools import EMULATION
 from hil_tests.support.browser import browser
 from hil_tests.support.cli import Done, Railhil
 from hil_tests.support.recordings import SharedRuns
@@ -107,6 +108,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         missing["needs_docker"] = "MISSING CAPABILITY Docker engine (make test brings it up as root)"
     if not os.environ.get("RAILHIL_REQUIRE_ALL") and not all(shutil.which(name) for name in ("gcc", "clang")):
         missing["needs_compiler"] = "MISSING CAPABILITY C compilers gcc and clang (make test installs them as root)"
+    if not os.environ.get("RAILHIL_REQUIRE_ALL") and not all(shutil.which(name) for name in EMULATION):
+        missing["needs_qemu"] = "MISSING CAPABILITY QEMU and gcc for Arm (make test installs them as root)"
     if browser() is None and not os.environ.get("RAILHIL_REQUIRE_ALL"):
         missing["needs_browser"] = "MISSING CAPABILITY Chromium (make test installs it as root)"
     if not all(shutil.which(name) for name in ("node", "npm")):

@@ -26,6 +26,7 @@ from railhil.machines import debian
 
 TOOLS = {
     "compilers": tools.install_compilers,
+    "emulation": tools.install_emulation,
     "browser": tools.install_browser,
     "can-utils": tools.install_can_tools,
     "ssh": tools.install_ssh,

@@ -38,7 +38,14 @@ class Bundle:
 #: The controller around the law, the same for every kind of control: sources, headers.
 _SOURCES = ("railhil_clock.c", "railhil_law.c", "railhil_control.c")
 _HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_law.h", "railhil_control.h")
-_PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_slcan.c", "railhil_node.c")
+_PROGRAM = (
+    "railhil_pipe.h",
+    "railhil_pipe.c",
+    "railhil_socket.h",
+    "railhil_socket.c",
+    "railhil_slcan.c",
+    "railhil_node.c",
+)
 
 
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:

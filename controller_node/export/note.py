@@ -57,6 +57,7 @@ def memory_note(control: Control, source: Source) -> str:
             "| `railhil_mvb.h`, `railhil_ports.h` | telegrams on CAN frames; their members, from the port table |",
             f"| `{name}_node.h` | constants of bus and scenario |",
             "| `railhil_node.c`, `railhil_socket.c`, `.h`, `railhil_slcan.c` | host program: SocketCAN, hub, slcan |",
+            "| `railhil_pipe.c`, `.h` | frames by two streams of octets: `pipe`, boards without CAN |",
             "| `railhil_run.c`, `railhil_result.h`, `Makefile` | host program for the log, and its build |",
             "",
             f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",

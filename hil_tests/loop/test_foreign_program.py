@@ -243,12 +243,12 @@ def test_hub_that_goes_is_one_line(program: Path, socket_folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((), "found 0 arguments, allowed can INTERFACE, hub PATH, or slcan DEVICE"),
+        ((), "found 0 arguments, allowed can INTERFACE, hub PATH, slcan DEVICE, or pipe"),
         (("-w", "0", "can", "can0"), "found 0, allowed -w S, -p S with 1 to 3600 s"),
         (("-p", "soon", "can", "can0"), "found soon, allowed"),
         (("-x", "can", "can0"), "found -x, allowed"),
         (("-w",), "found -w, allowed"),
-        (("serial", "/dev/null"), "allowed can INTERFACE, hub PATH, or slcan DEVICE"),
+        (("serial", "/dev/null"), "allowed can INTERFACE, hub PATH, slcan DEVICE, or pipe"),
         (("can", "no_such_can9"), "no_such_can9: "),
         (("hub", "/" + "x" * 200), "the path is too long for a Unix socket"),
         (("hub", "/proc/none"), "no hub: "),

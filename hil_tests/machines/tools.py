@@ -1,5 +1,5 @@
-"""Debian packages that tests need and the bench does not (compilers, can-utils, Chromium, ssh-keygen), and where this
-host has them from.
+"""Debian packages that tests need and the bench does not (compilers, QEMU, can-utils, Chromium, ssh-keygen), and where
+this host has them from.
 
 Each function refuses with :class:`railhil.machines.debian.CapabilityError` what it cannot have.
 """
@@ -12,6 +12,9 @@ from railhil.machines import debian
 
 #: Names under which systems have Chromium.
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+#: Programs that build for emulated boards and run them, and the packages that have them.
+EMULATION = {"qemu-system-arm": "qemu-system-arm", "arm-none-eabi-gcc": "gcc-arm-none-eabi"}
 
 
 def _install_missing(packages: Mapping[str, str], purpose: str) -> None:
@@ -44,6 +47,18 @@ def install_compilers() -> None:
     if missing:
         debian.require_debian_root(purpose)
         debian.install_packages(missing, purpose)
+
+
+def install_emulation() -> None:
+    """Ensure that QEMU for Arm and gcc for Cortex-M are installed, with its C library.
+
+    Raises:
+        CapabilityError: they are missing and cannot be had.
+    """
+    packages = {*EMULATION.values(), "libnewlib-arm-none-eabi"}
+    if not all(debian.find_command(command) for command in EMULATION):
+        debian.require_debian_root("emulated boards")
+        debian.install_packages(packages, "emulated boards")
 
 
 def install_can_tools() -> None:

@@ -34,7 +34,7 @@ PORTABLE = (
     "railhil_law.c",
     "railhil_control.c",
 )
-_HOST = ("railhil_socket.c", "railhil_slcan.c", "railhil_node.c")
+_HOST = ("railhil_pipe.c", "railhil_socket.c", "railhil_slcan.c", "railhil_node.c")
 PROGRAM = (*PORTABLE, *_HOST)
 #: The same around a law of a system with an interface.
 PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_telegrams.c", "railhil_law.c", "railhil_control.c")

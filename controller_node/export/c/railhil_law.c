@@ -17,14 +17,17 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
 {
     const int64_t period = railhil_now_ns(clock) / @PREFIX@_PERIOD_NS;
     int32_t given[RAILHIL_GIVEN_COUNT];
+    uint32_t began;
     if (period == law->period || !railhil_guard_inputs(&law->guard, clock, period, law->period, given)) {
         return;
     }
+    began = RAILHIL_TICKS();
     @LAW@_inputs(@GIVEN@, &law->in, &law->events);
     if (law->steps == 0) {
         @LAW@_start(&law->in, &law->state);
     }
     @LAW@_step(&law->state, &law->in, &law->out, &law->events);
+    law->ticks = RAILHIL_TICKS() - began;
     law->period = period;
     law->steps++;
 }

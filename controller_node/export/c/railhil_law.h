@@ -10,6 +10,13 @@
 #include "@LAW@_node.h"
 #include "railhil_guard.h"
 
+/* A board that measures control periods names its counter of time here (-DRAILHIL_TICKS=board_ticks). */
+#ifdef RAILHIL_TICKS
+uint32_t RAILHIL_TICKS(void);
+#else
+#define RAILHIL_TICKS() UINT32_C(0)
+#endif
+
 typedef struct {
     railhil_guard_t guard;
     @LAW@_in_t in;
@@ -18,6 +25,7 @@ typedef struct {
     iq_events_t events;
     int64_t period; /* number of the last control period, -1 before the first */
     uint32_t steps;
+    uint32_t ticks; /* RAILHIL_TICKS during the last control period */
     unsigned lives[RAILHIL_SENT_COUNT]; /* last life sign of each port that is sent */
 } railhil_law_t;
 

@@ -1,8 +1,9 @@
-/* The exported law as a stand-alone controller on the bus. For the host only (Linux).
+/* The exported law as a stand-alone controller, on the bus or at the end of two streams. For the host (Linux).
  *
  *   @LAW@_node [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
  *   @LAW@_node [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
  *   @LAW@_node [-w S] [-p S] slcan DEVICE    serial line of an adapter, e.g. /dev/ttyACM0
+ *   @LAW@_node pipe                          records of railhil_pipe.h on standard input and output
  *
  *   -w S   seconds to wait for the first frame of the bench (default 300)
  *   -p S   patience in lockstep: the program ends when the bench has been silent for S seconds (default 62: the plant
@@ -18,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "railhil_control.h"
+#include "railhil_pipe.h"
 #include "railhil_socket.h"
 
 enum { EXIT_ENDED = 0, EXIT_USAGE = 2, EXIT_LOST = 3 };
@@ -94,6 +95,29 @@ static long seconds(const char *text)
     return end == text || *end != '\0' || found < 1 || found > WAIT_MAX_S ? 0 : found;
 }
 
+size_t board_read(unsigned char *octets, size_t most)
+{
+    const ssize_t size = read(STDIN_FILENO, octets, most);
+    return size < 0 ? 0 : (size_t)size;
+}
+
+void board_write(const unsigned char *octets, size_t count)
+{
+    while (count != 0) {
+        const ssize_t size = write(STDOUT_FILENO, octets, count);
+        if (size < 0) {
+            exit(EXIT_LOST);
+        }
+        octets += size;
+        count -= (size_t)size;
+    }
+}
+
+uint32_t board_free_stack(void)
+{
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     static railhil_control_t control;
@@ -115,15 +139,19 @@ int main(int argc, char **argv)
     }
     argv += optind;
     argc -= optind;
+    railhil_init(&control);
+    if (argc == 1 && strcmp(argv[0], "pipe") == 0) {
+        return railhil_pipe_serve(&control) == 0 ? EXIT_ENDED : EXIT_USAGE;
+    }
     kind = argc == 2 ? kind_of(argv[0]) : -1;
     if (kind < 0) {
-        fprintf(stderr, "@LAW@_node: found %d arguments, allowed can INTERFACE, hub PATH, or slcan DEVICE\n", argc);
+        fprintf(stderr, "@LAW@_node: found %d arguments, ", argc);
+        fprintf(stderr, "allowed can INTERFACE, hub PATH, slcan DEVICE, or pipe\n");
         return EXIT_USAGE;
     }
     if (railhil_bus_open(&bus, (railhil_bus_kind_t)kind, argv[1]) != 0) {
         return EXIT_USAGE;
     }
-    railhil_init(&control);
     exit_code = serve(&bus, &control, first_frame_s, patience_s);
     if (exit_code == EXIT_USAGE) {
         fprintf(stderr, "@LAW@_node: %s: the nodes do not agree on what to run; railhil run says in what\n",

@@ -43,6 +43,8 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "railhil_motion.h",
             "railhil_mvb.h",
             "railhil_node.c",
+            "railhil_pipe.c",
+            "railhil_pipe.h",
             "railhil_ports.h",
             "railhil_position.c",
             "railhil_position.h",

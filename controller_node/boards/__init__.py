@@ -1,0 +1,237 @@
+"""Boards: start, linker script and drivers for one processor each, and the emulator that runs them.
+
+A board is a folder with ``board.toml`` (:class:`BoardTable`), its C files and its linker script, whose regions ``ROM``,
+``RAM`` and ``STACK`` give the figures of an image. ``common/`` has the main loops, against ``railhil_board.h``.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.user_files import given_json, given_text, refuse_unreadable, refuse_unwritable
+from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import validate
+
+_FOLDER = Path(__file__).parent
+_COMMON = _FOLDER / "common"
+_FILE, _IMAGE, _FIGURES = "board.toml", "image.elf", "image.json"
+#: Options by language, in which the C around a law and the files of the boards are written.
+_LANGUAGES = {".c": ("-std=c99",), ".cpp": ("-std=c++17", "-fno-exceptions", "-fno-rtti")}
+_CONTROL = ("-fwrapv", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-Wall", "-Wextra")
+_LINK = ("-nostartfiles", "-Wl,--gc-sections", "-Wl,--print-memory-usage")
+_REGION = re.compile(r"^\s*(ROM|RAM|STACK):\s+(\d+) ([KMG]?)B\s+(\d+) ([KMG]?)B", re.MULTILINE)
+_UNITS = {"": 1, "K": 1024, "M": 1024**2, "G": 1024**3}
+
+
+class Program(BaseModel):
+    """A program of the host, and the Debian packages that have it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    program: str
+    packages: str
+    arguments: tuple[str, ...] = ()
+
+    def path(self, needed_by: str) -> str:
+        """Where it is installed.
+
+        :raises InputError: it is not.
+        """
+        found = shutil.which(self.program)
+        if found is None:
+            words = Words(f"{self.program} is not installed")
+            raise InputError(needed_by, "", words, f"the Debian packages {self.packages}")
+        return found
+
+
+class BoardTable(BaseModel):
+    """``board.toml``.
+
+    :param link: ``pipe``: frames by two streams (railhil_pipe.h); ``can``: by the registers of its CAN controller.
+    :param emulator: its arguments may contain the places ``{image}`` and those that the link fills.
+    :param compiler: with the arguments of every compilation.
+    :param sources: C files, relative to the board's folder.
+    :param log_arguments: of the compiler, for a program with the C library's files; empty: it has none.
+    :param tick_ns: of board_ticks. With ``instruction_ns``, a power of two, each instruction takes that much of the
+        emulated time (``-icount``): instructions can be counted.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    title: str
+    link: Literal["pipe", "can"]
+    emulator: Program
+    compiler: Program
+    sources: tuple[str, ...]
+    linker_script: str = "board.ld"
+    log_arguments: tuple[str, ...] = ()
+    tick_ns: int = Field(default=0, ge=0)
+    instruction_ns: int = Field(default=0, ge=0)
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A program for a board.
+
+    :param compiler: its first line about itself.
+    :param rom_octets, ram_octets: code with constants, and data; ``stack_octets``: reserved for the stack.
+    """
+
+    file: str
+    sha256: str
+    board: str
+    compiler: str
+    rom_octets: int
+    ram_octets: int
+    stack_octets: int
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """A board that is loaded.
+
+    :param name: of its folder.
+    """
+
+    name: str
+    folder: Path
+    table: BoardTable
+
+    @classmethod
+    def load(cls, text: str) -> Board:
+        """A shipped board by its name or the beginning of it, ``-`` counting as ``_``; or the folder of a user's one.
+
+        :raises InputError: there is none, or its ``board.toml`` is not one.
+        """
+        folder = Path(text) if "/" in text else _shipped(text)
+        file = folder / _FILE
+        with refuse_unreadable(file, "the board.toml of a board"):
+            content = parse_toml(given_text(file))
+        table = validate(BoardTable, content, lambda keys: file)
+        step = table.instruction_ns
+        if step & (step - 1):
+            raise InputError(file, "instruction_ns", step, "a power of two")
+        for source in (*table.sources, table.linker_script):
+            if not (folder / source).is_file():
+                raise InputError(file, "sources", source, f"files of {folder}")
+        return cls(folder.name, folder, table)
+
+    def build(
+        self,
+        folder: Path,
+        sources: Sequence[str],
+        include: Sequence[str] = (".",),
+        *,
+        main: str = "",
+        arguments: Sequence[str] = (),
+        optimisation: str = "-O2",
+    ) -> Image:
+        """The image of a controller, compiled in ``folder/build/BOARD-DIGEST`` unless it is there already.
+
+        :param sources: C files of the controller, relative to the folder, as are the folders ``include``.
+        :param main: file of ``common/`` with the main loop; empty: that of the board's link.
+        :param arguments: further ones for the compiler.
+        :raises InputError: the compiler is missing or refuses a file, or the folder cannot be written.
+        """
+        path = self.table.compiler.path(f"board {self.name}")
+        version = _first_line(subprocess.run([path, "--version"], capture_output=True, text=True, check=False).stdout)
+        common = [_COMMON / (main or f"main_{self.table.link}.c"), _COMMON / "fault.c"]
+        own = [self.folder / source for source in self.table.sources]
+        headers = [_COMMON, *(folder / name for name in include)]
+        flags = [*self.table.compiler.arguments, optimisation, *_CONTROL, *arguments]
+        if self.table.tick_ns:
+            flags.append("-DRAILHIL_TICKS=board_ticks")
+        files = [*(folder / source for source in sources), *own, *common]
+        read = [self.folder / self.table.linker_script, *files, *(h for place in headers for h in place.glob("*.h"))]
+        digest = hashlib.sha256("\0".join([version, *flags, *sources]).encode())
+        for file in read:
+            with refuse_unreadable(file, "a file of the controller"):
+                digest.update(file.name.encode() + b"\0" + file.read_bytes())
+        place = folder / "build" / f"{self.name}-{digest.hexdigest()[:12]}"
+        with refuse_unwritable("--controller", place, "folder"):
+            place.parent.mkdir(exist_ok=True)
+            with (place.parent / ".lock").open("w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                if not (place / _FIGURES).is_file():
+                    with tempfile.TemporaryDirectory(prefix=".part-", dir=place.parent) as draft:
+                        figures = self._compile(path, files, headers, flags, Path(draft))
+                        table = json.dumps(figures | {"board": self.name, "compiler": version}, indent=2)
+                        Path(draft, _FIGURES).write_text(table + "\n", encoding="utf-8")
+                        shutil.rmtree(place, ignore_errors=True)
+                        shutil.copytree(draft, place)
+        return Image(**given_json(place / _FIGURES, "figures of an image"), file=str(place / _IMAGE))
+
+    def _compile(
+        self, compiler: str, files: Sequence[Path], headers: Sequence[Path], flags: Sequence[str], out: Path
+    ) -> dict[str, object]:
+        """Compile and link into ``out``; the image depends on no path. Returns hash and sizes."""
+        places = [f"-I{place.resolve()}" for place in headers]
+        objects = []
+        for number, file in enumerate(files):
+            language = _LANGUAGES.get(file.suffix, ())
+            objects.append(f"{number}.o")
+            self._call([compiler, *flags, *language, *places, "-c", "-o", objects[-1], str(file.resolve())], out)
+        script = (self.folder / self.table.linker_script).resolve()
+        said = self._call([compiler, *flags, *_LINK, "-T", str(script), "-o", _IMAGE, *objects, "-lm"], out)
+        for name in objects:
+            (out / name).unlink()
+        sizes = {name: (int(n) * _UNITS[u], int(m) * _UNITS[v]) for name, n, u, m, v in _REGION.findall(said)}
+        if len(sizes) < 3:
+            raise InputError(script, "MEMORY", sorted(sizes), "the regions ROM, RAM and STACK")
+        sha256 = hashlib.sha256((out / _IMAGE).read_bytes()).hexdigest()
+        rom, ram, stack = sizes["ROM"][0], sizes["RAM"][0], sizes["STACK"][1]
+        return {"sha256": sha256, "rom_octets": rom, "ram_octets": ram, "stack_octets": stack}
+
+    def _call(self, words: Sequence[str], folder: Path) -> str:
+        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False, env=_plain_environment())
+        if done.returncode:
+            errors = [line for line in done.stderr.splitlines() if "error: " in line or "undefined reference" in line]
+            where, _, said = (errors or [done.stderr.strip() or f"exit code {done.returncode}"])[0].rpartition(
+                "error: "
+            )
+            file = where.rstrip(" :").removesuffix("fatal").rstrip(" :") or f"board {self.name}"
+            raise InputError(file, Path(words[0]).name, Words(said), "files that it compiles")
+        return done.stdout
+
+
+def shipped_boards() -> list[str]:
+    """Names of the boards that come with railhil."""
+    return sorted(file.parent.name for file in _FOLDER.glob(f"*/{_FILE}"))
+
+
+def _shipped(text: str) -> Path:
+    names = shipped_boards()
+    wanted = text.replace("-", "_")
+    found = [name for name in names if name == wanted] or [name for name in names if name.startswith(wanted)]
+    if not wanted or len(found) != 1:
+        allowed = f"{', '.join(names)}, or the folder of a board, such as ./myboard"
+        raise InputError("command line", "board", text, allowed, did_you_mean(wanted, names))
+    return _FOLDER / found[0]
+
+
+def _plain_environment() -> dict[str, str]:
+    """Without the translations of the compiler's messages."""
+    return {**os.environ, "LC_ALL": "C"}
+
+
+def _first_line(text: str) -> str:
+    return text.partition("\n")[0].strip()
+
+
+def figures_of(image: Image) -> dict[str, object]:
+    """For documents: the image without its place."""
+    return {key: value for key, value in asdict(image).items() if key != "file"}

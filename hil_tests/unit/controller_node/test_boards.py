@@ -1,0 +1,164 @@
+"""Boards: their files, images, and the emulated processor that computes what the host computes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.foreign import PORTABLE, export_node
+from hil_tests.support.short_runs import RUN_72M_TOML
+from railhil.bus.frame import Frame
+from railhil.bus.mvb import master_frame
+from railhil.common.errors import InputError
+from railhil.controller_node.boards import Board, Image, shipped_boards
+from railhil.controller_node.boards.emulator import Emulator
+from railhil.controller_node.pipe import ControllerFailed
+from railhil.run.local import local_run
+from railhil.scenarios.load import load
+from railhil.systems.ato.scenario.model import Scenario
+
+_SOURCES = ("ipfc.c", *PORTABLE, "railhil_pipe.c")
+_POLLED = {master_frame(*polled).data for polled in ((1, 0x110), (3, 0x138), (3, 0x170), (15, 1))}
+
+
+@pytest.mark.parametrize("name", shipped_boards())
+def test_every_shipped_board_can_be_loaded(name: str) -> None:
+    assert Board.load(name).name == Board.load(name.replace("_", "-")).name == name
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("cortex_m5", "found 'cortex_m5', allowed"),
+        ("", "found ''"),
+        ("cortex", "found 'cortex'"),
+        ("./nowhere", "does not exist"),
+    ],
+)
+def test_a_board_that_there_is_not_is_one_line(text: str, words: str) -> None:
+    with pytest.raises(InputError, match=r"allowed|expected") as error:
+        Board.load(text)
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"pipe"', '"mail"', "link: found 'mail'"),
+        ("1024", "1000", "instruction_ns: found 1000, allowed a power of two"),
+        ('"board.c"', '"bord.c"', "sources: found 'bord.c'"),
+        ("tick_ns", "tick", "tick: unknown key"),
+    ],
+)
+def test_a_wrong_board_file_is_one_line(old: str, new: str, words: str, tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    shutil.copytree(Board.load("cortex_m4f").folder, mine)
+    (mine / "board.toml").write_text((mine / "board.toml").read_text().replace(old, new))
+    with pytest.raises(InputError) as error:
+        Board.load(str(mine))
+    assert words in str(error.value)
+
+
+def test_a_missing_compiler_or_emulator_is_named_with_its_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    board = Board.load("cortex_m4f")
+    with pytest.raises(InputError, match=r"arm-none-eabi-gcc is not installed, .*gcc-arm-none-eabi"):
+        board.build(tmp_path, ())
+    with pytest.raises(InputError, match=r"qemu-system-arm is not installed, .*qemu-system-arm"):
+        Emulator(board, Image("", "", "", "", 0, 0, 0), 1.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    file = tmp_path_factory.mktemp("scenario") / "short.toml"
+    file.write_text(RUN_72M_TOML)
+    return load(str(file))
+
+
+@pytest.fixture(scope="module")
+def folder(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("ipfc")
+    export_node(scenario, folder)
+    return folder
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_an_image_is_built_once_and_its_bytes_do_not_depend_on_the_place(folder: Path, tmp_path: Path) -> None:
+    board = Board.load("cortex_m4f")
+    image = board.build(folder, _SOURCES)
+    time = os.stat(image.file).st_mtime_ns
+    assert board.build(folder, _SOURCES) == image
+    assert os.stat(image.file).st_mtime_ns == time
+    shutil.copytree(folder, tmp_path / "other", ignore=shutil.ignore_patterns("build"))
+    assert board.build(tmp_path / "other", _SOURCES).sha256 == image.sha256
+    assert board.build(folder, _SOURCES, optimisation="-Os").rom_octets < image.rom_octets
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_a_file_that_does_not_compile_is_one_line_and_leaves_nothing(folder: Path, tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    shutil.copytree(folder, mine, ignore=shutil.ignore_patterns("build"))
+    (mine / "ipfc.c").write_text("int x = ;\n")
+    with pytest.raises(InputError, match=r"ipfc\.c:1:9: arm-none-eabi-gcc: expected") as error:
+        Board.load("cortex_m3").build(mine, _SOURCES)
+    assert "\n" not in str(error.value)
+    assert [path.name for path in (mine / "build").iterdir()] == [".lock"]
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cortex_m4f", "cortex_m3"])
+def test_an_emulated_board_answers_as_the_node(name: str, scenario: Scenario, folder: Path, tmp_path: Path) -> None:
+    local_run(scenario, tmp_path)
+    lines = [line.split()[2].split("#") for line in (tmp_path / "frames.log").read_text().splitlines()]
+    frames = [Frame(int(can_id, 16), bytes.fromhex(data)) for can_id, data in lines]
+    board = Board.load(name)
+    emulator = Emulator(board, board.build(folder, _SOURCES), 20.0)
+    counts = []
+    for _ in range(2):
+        emulator.reset()
+        waiting: list[Frame] = []
+        answers: list[Frame] = []
+        for frame in frames:
+            waiting.append(frame)
+            if frame.can_id == 0x80 and frame.data in _POLLED:
+                answers += emulator.exchange(waiting)
+                waiting = []
+        notches = [frame for frame in frames if frame.can_id == 0x110]
+        assert len(notches) > 900
+        assert [frame for frame in answers if frame.can_id == 0x110] == notches
+        counts.append(emulator.figures())
+    emulator.stop()
+    assert emulator.console == []
+    figures = counts[0]
+    assert 48 <= figures["control_periods"] <= 53
+    assert 500 < figures["instructions"]["min"] <= figures["instructions"]["median"] <= figures["instructions"]["max"]
+    assert 200 < figures["stack_used_octets"] < 4000
+    assert counts[1]["instructions"] == figures["instructions"]
+    assert "QEMU emulator version" in figures["emulator"]
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_a_fault_of_the_processor_is_said_and_a_reset_ends_it(folder: Path, tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    shutil.copytree(folder, mine, ignore=shutil.ignore_patterns("build"))
+    source = mine / "railhil_law.c"
+    text = source.read_text()
+    source.write_text(text.replace("    law->period = -1;", "    law->period = *(volatile int *)0xF0000000u;"))
+    assert source.read_text() != text
+    board = Board.load("cortex_m4f")
+    emulator = Emulator(board, board.build(mine, _SOURCES), 20.0)
+    for _ in range(2):
+        emulator.reset()
+        with pytest.raises(ControllerFailed, match="has failed: hard fault at 0x0000"):
+            emulator.exchange([master_frame(15, 1)])
+    assert len(emulator.console) == 2
