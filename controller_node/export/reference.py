@@ -7,8 +7,8 @@ refused.
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
@@ -19,18 +19,34 @@ from railhil.controller_node.program.model import Evaluator, Kind, Program, Valu
 _MASK = 2**32 - 1
 
 
+class Function(Protocol):
+    """One function of a law, recorded or made from the recording."""
+
+    def run(self, inputs: Mapping[str, Any]) -> dict[str, Any]:
+        """Outputs by name."""
+
+
 class _Twin:
     """The law and its recorded program in parallel, from the start of a run.
 
+    :param functions: makes what runs each function of the program; None: the recorded operations.
+    :param made_from: what differs if the results do, "its recorded operations".
     :raises InputError: in :meth:`period`, if their results differ.
     """
 
-    def __init__(self, control: Control) -> None:
+    def __init__(
+        self,
+        control: Control,
+        functions: Callable[[Program], Function] | None = None,
+        made_from: str = "its recorded operations",
+    ) -> None:
         self._control, programs = control, control.programs
+        self._made_from = made_from
         self._number, self._other = make(control.law.arithmetic), make(control.law.arithmetic)
         self._loop = control.loop(self._number)
         parts = (programs.inputs, programs.start, programs.step, programs.sent)
-        self._inputs, self._start, self._step, self._sent = (Evaluator(part, self._other) for part in parts)
+        make_function = functions or (lambda part: Evaluator(part, self._other))
+        self._inputs, self._start, self._step, self._sent = map(make_function, parts)
         self._state: dict[str, Any] | None = None
 
     def period(self, period: Period) -> tuple[int, ...]:
@@ -50,7 +66,7 @@ class _Twin:
         program = [*given.items(), *self._state.items(), *((n, v) for n, v in after.items() if n.startswith("out."))]
         for (name, value), (_, other) in zip(law, program, strict=True):
             if value != other:
-                found = Words(f"{name} = {other} from its recorded operations, {value} from the law")
+                found = Words(f"{name} = {other} from {self._made_from}, {value} from the law")
                 raise InputError("controller", control.programs.law, found, "a law without branches on data")
         counters = self._number.counters
         words = [self._word(name, value) for name, value in law]
@@ -73,6 +89,21 @@ class _Twin:
             (value,) = struct.unpack("<i", struct.pack("<f", value))
         word: int = value
         return word
+
+
+def count_equal_periods(control: Control, functions: Callable[[Program], Function], made_from: str) -> int:
+    """Number of control periods in the reference runs, whose inputs, states and outputs are all the law's.
+
+    :param functions: see :class:`_Twin`, also for ``made_from``.
+    :raises InputError: they differ in one.
+    """
+    count = 0
+    for periods in control.runs(None):
+        twin = _Twin(control, functions, made_from)
+        for period in periods:
+            twin.period(period)
+            count += 1
+    return count
 
 
 def _line(words: Sequence[int]) -> str:

@@ -5,20 +5,22 @@ from __future__ import annotations
 import argparse
 import contextlib
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import run_guarded
-from railhil.controller_node.export.bundle import make_bundle, write_bundle
-from railhil.controller_node.export.control import Source
+from railhil.controller_node.cost import estimated_cycles
+from railhil.controller_node.export.bundle import control_of, make_bundle, write_bundle
+from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.laws import is_floating, names
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -26,6 +28,9 @@ from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import System
+
+if TYPE_CHECKING:
+    from railhil.controller_node.export.c28x import LawStream
 
 _FILE_COLUMNS = 100
 
@@ -47,6 +52,8 @@ def arguments() -> argparse.ArgumentParser:
         help="write it as a co-simulation FMU too (needs a C compiler and the extra [fmi])",
     )
     parser.add_argument("--fmi-version", choices=("2.0", "3.0"), help="of the FMU; default 2.0")
+    listing = "write NAME_c28x.txt too: the law as C28x instructions, and print their cycles beside the estimate"
+    parser.add_argument("--c28x", action="store_true", help=listing)
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
 
@@ -75,6 +82,25 @@ def _arithmetic(namespace: argparse.Namespace, system: System) -> str:
     return asked or ("float32" if floating else "iq")
 
 
+def _instructions(control: Control) -> tuple[LawStream, int]:
+    """The law as C28x instructions, and the control periods in which they were compared with it.
+
+    :raises InputError: it has no straight line of instructions, or these give other results.
+    """
+    from railhil.controller_node.export.c28x import LawStream
+    from railhil.controller_node.export.reference import count_equal_periods
+
+    law = control.law
+    if law.arithmetic != "iq":
+        raise InputError("command line", "--c28x", law.arithmetic, Sentence("used only with the arithmetic iq"))
+    try:
+        stream = LawStream(control.programs)
+    except ValueError as error:
+        allowed = "a law whose operations are straight lines of instructions"
+        raise InputError("command line", "--c28x", Words(f"{law.controller} has {error}"), allowed) from error
+    return stream, count_equal_periods(control, stream.function, "its C28x instructions")
+
+
 def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
@@ -87,6 +113,10 @@ def main() -> int:
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
     # A law that may wrap is refused here, and must not run on a chip either.
     system.part("controller")(scenario, law)
+    if namespace.c28x:
+        control = control_of(scenario, law)
+        stream, periods = _instructions(control)
+        bundle.files[f"{bundle.source.name}_c28x.txt"] = stream.listing()
     write_bundle(bundle, namespace.out, force=namespace.force)
     fmu = namespace.out / f"{bundle.source.name}.fmu"
     if namespace.fmu:
@@ -96,6 +126,9 @@ def main() -> int:
     _list(bundle.files, f"{namespace.law} {_size(bundle.source)}", namespace.out)
     if namespace.fmu:
         print(f"wrote {fmu}")
+    if namespace.c28x:
+        _list_cycles(stream, control.programs.step_counts())
+        print(f"a model: every word of {periods} control periods is the law's, no chip has run it")
     return 0
 
 
@@ -121,6 +154,20 @@ def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
     console.print(listing)
     console.print(f"{size}; not run on a target", soft_wrap=True)
     console.print(f"wrote {folder}: make -C {folder} check", soft_wrap=True)
+
+
+def _list_cycles(stream: LawStream, counts: Counter[str]) -> None:
+    """Cycles of the instructions of one control period, beside the estimate from the operations."""
+    listing = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    listing.add_column("one control period")
+    for column in ("operations", "C28x cycles", "estimate"):
+        listing.add_column(column, justify="right")
+    for name, cycles in stream.cycles.most_common():
+        estimate = estimated_cycles(Counter({name: counts[name]})) if name in counts else ""
+        listing.add_row(name, str(counts[name] or ""), str(cycles), str(estimate))
+    listing.add_row("together", "", str(stream.cycles.total()), str(estimated_cycles(counts)))
+    Console(markup=False, emoji=False, highlight=False).print(listing)
+    print(f"{len(stream.period)} instructions, {stream.words} words; in {stream.inactive} cycles the pipeline waits")
 
 
 if __name__ == "__main__":
