@@ -14,7 +14,7 @@ from hil_tests.support.cli import Railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.errors import InputError
 from railhil.plant_sim.faults.plants import make_plant
-from railhil.plant_sim.fmu.determinism import twice
+from railhil.plant_sim.fmu import plant_twice
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 
@@ -101,7 +101,7 @@ def test_fmus_that_cannot_be_these_trains_are_refused(unit: Path, library: Path,
     with pytest.raises(InputError, match="an instance for each unit of the train"):
         _plant("emu3_short", once)
     run = RunSpec("hst_short", plant_fmu=PlantFmu(str(once), str(once.with_suffix(".toml"))))
-    assert twice(run.load(), run) == (None, "not checked: a process can have only one instance of it")
+    assert plant_twice(run.load(), run) == (None, "not checked: a process can have only one instance of it")
 
 
 @pytest.mark.slow

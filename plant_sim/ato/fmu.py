@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import fields
 
 from railhil.common.errors import InputError, Words
+from railhil.fmu.names import Input, Output, Quantities
 from railhil.plant_sim.ato.dynamics import Lag, Motion, Step, Window
 from railhil.plant_sim.ato.forces import GradeTable, TrainConstants, mean_grade_permil
 from railhil.plant_sim.ato.train import TrainOnBus
-from railhil.plant_sim.fmu.model import Fmu
-from railhil.plant_sim.fmu.names import Input, Quantities
+from railhil.plant_sim.fmu import TrainFmu
 from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.systems.ato.scenario.model import Scenario, Train
 
@@ -20,7 +20,7 @@ QUANTITIES = Quantities(
         "brake_min_n": Input("N", 0.0, 1e5),
         "grade_permil": Input("permil", 0.0, 10.0),
     },
-    {"position_m": "m", "speed_mps": "m/s", "effort_n": "N"},
+    {"position_m": Output("m"), "speed_mps": Output("m/s"), "effort_n": Output("N")},
     ("force_n", "position_m", "speed_mps", "effort_n"),
     ("traction_allowed",),
 )
@@ -38,7 +38,7 @@ class FmuTrain(TrainOnBus):
     def __init__(self, scenario: Scenario, seed: int, drawn: bool, rate: float, named: PlantFmu) -> None:
         super().__init__(scenario, seed, drawn, rate)
         train = self._train
-        self._fmu: Fmu = Fmu(named, QUANTITIES, _numbers(train, self._constants), self._step_s)
+        self._fmu = TrainFmu(named, QUANTITIES, _numbers(train, self._constants), self._step_s)
         self.fmus = [self._fmu]
         if not self._fmu.variable_step and not float(self._delay_ticks).is_integer():
             found = Words(f"steps of {self._step_s:g} s only (canHandleVariableCommunicationStepSize is false)")

@@ -24,7 +24,7 @@ LEVELS = ("train", "sensor", "actuator")
 #: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
 #: The part of a system that makes its plant with an FMU for its motion, from the arguments of its plant and the
-#: :class:`~railhil.scenarios.plant_fmu.PlantFmu`: a :class:`~railhil.plant_sim.fmu.determinism.FmuPlant`. A system
+#: :class:`~railhil.scenarios.plant_fmu.PlantFmu`: a :class:`~railhil.plant_sim.fmu.FmuPlant`. A system
 #: without it takes no FMU.
 FMU_PART = "fmu_plant"
 

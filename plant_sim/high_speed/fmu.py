@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from railhil.plant_sim.fmu.determinism import place_of
-from railhil.plant_sim.fmu.model import Fmu
-from railhil.plant_sim.fmu.names import Input, Quantities
+from railhil.fmu.names import Input, Output, Quantities
+from railhil.plant_sim.fmu import TrainFmu, place_of
 from railhil.plant_sim.high_speed.dynamics import GRAVITY_MPS2, Drive, Grades, UnitLimits, UnitMotion, grade_mps2
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.train import STEP_S
@@ -25,7 +24,7 @@ def quantities_of(units: int) -> Quantities:
             _OUTSIDE: Input("m/s2", 0.0, 0.02),
             "grade_permil": Input("permil", 0.0, 4.0),
         },
-        {"position_m": "m", "speed_mps": "m/s", "drive_mps2": "m/s2"},
+        {"position_m": Output("m"), "speed_mps": Output("m/s"), "drive_mps2": Output("m/s2")},
         _NEEDED if units == 1 else (*_NEEDED, _OUTSIDE),
     )
 
@@ -40,8 +39,8 @@ class FmuHighSpeedPlant(HighSpeedPlant):
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float, named: PlantFmu) -> None:
         super().__init__(scenario, seed, drawn, rate)
         train, limits = self.train, self.train.limits
-        alone = len(train.units) == 1
-        self.fmus: list[Fmu] = []
+        several = "" if len(train.units) == 1 else "each unit of the train"
+        self.fmus: list[TrainFmu] = []
         for unit, mass_kg in zip(train.units, train.mass_kg, strict=True):
             start = unit.motion
             numbers = {
@@ -60,13 +59,13 @@ class FmuHighSpeedPlant(HighSpeedPlant):
                 "start_speed_mps": start.speed_mps,
                 "start_drive_mps2": start.drive_mps2,
             }
-            fmu = Fmu(named, quantities_of(len(train.units)), numbers, STEP_S, alone)
+            fmu = TrainFmu(named, quantities_of(len(train.units)), numbers, STEP_S, several)
             self.fmus.append(fmu)
             unit.moved = partial(_moved, fmu, place_of(fmu, start.position_m, start.speed_mps))
 
 
 def _moved(
-    fmu: Fmu,
+    fmu: TrainFmu,
     place_m: float,
     limits: UnitLimits,
     side: Drive,

@@ -7,9 +7,8 @@ from functools import partial
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.plant_sim.fmu.determinism import place_of
-from railhil.plant_sim.fmu.model import Fmu
-from railhil.plant_sim.fmu.names import Input, Quantities
+from railhil.fmu.names import Input, Output, Quantities
+from railhil.plant_sim.fmu import TrainFmu, place_of
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2, Course, Going, Motion
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw
 from railhil.plant_sim.stop.plant import StopPlant
@@ -23,7 +22,7 @@ QUANTITIES = Quantities(
         "outside_mps2": Input("m/s2", 0.0, 0.02),
         "grade_permil": Input("permil", 0.0, 3.0),
     },
-    {"position_m": "m", "speed_mps": "m/s", "drive_mps2": "m/s2", "slides": "1"},
+    {"position_m": Output("m"), "speed_mps": Output("m/s"), "drive_mps2": Output("m/s2"), "slides": Output("1")},
     ("command_mps2", "position_m", "speed_mps", "drive_mps2"),
 )
 
@@ -39,7 +38,7 @@ class FmuStopPlant(StopPlant):
 
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float, run_number: int, named: PlantFmu) -> None:
         self._named = named
-        self.fmus: list[Fmu] = []
+        self.fmus: list[TrainFmu] = []
         super().__init__(scenario, seed, drawn, rate, run_number)
 
     def made_train(self, train: TrainDraw, run: RunDraw, seed: int, run_number: int) -> StopTrain:
@@ -57,7 +56,7 @@ class FmuStopPlant(StopPlant):
             "start_speed_mps": start.speed_mps,
             "start_drive_mps2": start.drive_mps2,
         }
-        fmu = Fmu(self._named, QUANTITIES, numbers, SAMPLE_S)
+        fmu = TrainFmu(self._named, QUANTITIES, numbers, SAMPLE_S)
         if not fmu.variable_step:
             found = Words("canHandleVariableCommunicationStepSize is false")
             raise InputError(fmu.file, "step", found, "true: commands begin to act within a step")
@@ -67,7 +66,7 @@ class FmuStopPlant(StopPlant):
 
 
 def _gone_on(
-    fmu: Fmu, place_m: float, course: Course, going: Going, target_mps2: float, wander_mps2: float, end_s: float
+    fmu: TrainFmu, place_m: float, course: Course, going: Going, target_mps2: float, wander_mps2: float, end_s: float
 ) -> Going:
     """As :func:`railhil.plant_sim.stop.brake.gone_on`, always to ``end_s``; brake, loss and rail are the FMU's.
 

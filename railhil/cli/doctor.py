@@ -113,7 +113,8 @@ def _asked_bus(given: Mapping[str, Any], choice: BusChoice) -> Finding | None:
 def _fmu(namespace: argparse.Namespace) -> int:
     """Print whether an FMU is deterministic; exit code 2 if it is not."""
     # Imported here, because it loads the plant.
-    from railhil.plant_sim.fmu.determinism import TICKS, twice
+    from railhil.fmu.determinism import TICKS
+    from railhil.plant_sim.fmu import plant_twice
 
     if namespace.fmu is None:
         option, value = ("--fmu-map", namespace.fmu_map)
@@ -123,7 +124,7 @@ def _fmu(namespace: argparse.Namespace) -> int:
     named = PlantFmu(namespace.fmu, namespace.fmu_map or str(Path(namespace.fmu).with_suffix(".toml")))
     document = named.as_json()
     run = RunSpec(namespace.fmu_scenario or USUAL_SCENARIO, plant_fmu=named)
-    same, found = twice(run.load(), run)
+    same, found = plant_twice(run.load(), run)
     if namespace.json:
         print_json({**document, "ticks": TICKS, "deterministic": same, "found": found})
     else:

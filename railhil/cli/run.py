@@ -197,9 +197,9 @@ def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> Run
     if spec.plant_fmu is None:
         return spec
     # This loads the plant, and native code.
-    from railhil.plant_sim.fmu.determinism import twice
+    from railhil.plant_sim.fmu import plant_twice
 
-    same, why = twice(scenario, spec)
+    same, why = plant_twice(scenario, spec)
     if not same:
         say(f"note: the run may not be repeatable: {spec.plant_fmu.file}: {why}", stderr)
     return replace(spec, plant_fmu=replace(spec.plant_fmu, same_twice=same, why=why))

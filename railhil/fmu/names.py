@@ -1,8 +1,8 @@
-"""Quantities that an FMU of a train exchanges with the bench, and the file with the FMU's names for them."""
+"""Quantities that an FMU exchanges with the bench, and the file with the FMU's names for them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,56 +15,85 @@ from railhil.scenarios.tomlfile import parse_toml
 UNITS = {
     "N": ("N", 1.0), "kN": ("N", 1e3), "m": ("m", 1.0), "km": ("m", 1e3), "m/s": ("m/s", 1.0),
     "km/h": ("m/s", 1 / 3.6), "m/s2": ("m/s2", 1.0), "permil": ("permil", 1.0), "%": ("permil", 10.0), "1": ("1", 1.0),
+    "s": ("s", 1.0), "ms": ("s", 1e-3),
 }  # fmt: skip
+#: The unit of a quantity that is the integer of the wire.
+RAW = "raw"
 
 
 class Input(NamedTuple):
     """A quantity that the bench gives to the FMU: its unit, its usual value, and another value for the check of
-    determinism (:mod:`railhil.plant_sim.fmu.determinism`)."""
+    determinism (:mod:`railhil.fmu.determinism`); ``raw``: value of 1 on the wire, None: it is not on the wire."""
 
     unit: str
     usual: float
     other: float
+    raw: float | None = None
+
+
+class Output(NamedTuple):
+    """A quantity that the FMU gives to the bench: its unit; ``raw`` as in :class:`Input`."""
+
+    unit: str
+    raw: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Quantities:
-    """Quantities that the plant of a system exchanges with an FMU of its train.
+    """Quantities that the bench exchanges with an FMU.
 
-    :param inputs: by name; the first is the command.
-    :param outputs: units by name.
+    :param inputs: by name; in the check of determinism the first follows a course of its own.
+    :param outputs: by name.
     :param needed: names that every map must have.
     :param switches: inputs that may be Boolean.
+    :param any_number: variables may be integers, of single precision and Boolean, too.
     """
 
     inputs: Mapping[str, Input]
-    outputs: Mapping[str, str]
-    needed: tuple[str, ...]
+    outputs: Mapping[str, Output]
+    needed: tuple[str, ...] = ()
     switches: tuple[str, ...] = ()
+    any_number: bool = False
 
     @property
-    def units(self) -> dict[str, dict[str, str]]:
-        """Units by table of the map and name."""
-        return {"inputs": {name: one.unit for name, one in self.inputs.items()}, "outputs": dict(self.outputs)}
+    def tables(self) -> dict[str, Mapping[str, Input | Output]]:
+        """The quantities by table of the map."""
+        return {"inputs": self.inputs, "outputs": self.outputs}
 
 
-@dataclass(frozen=True, slots=True)
-class Named:
-    """A variable of the FMU: its name, and its unit with the factor to ours."""
+def factors_of(quantity: Input | Output) -> dict[str, float]:
+    """Units in which a variable may have the quantity, with the factors to the quantity's own unit."""
+    found = {quantity.unit: 1.0}
+    found |= {name: factor for name, (base, factor) in UNITS.items() if base == quantity.unit}
+    return found if quantity.raw is None else {**found, RAW: quantity.raw}
+
+
+class Named(NamedTuple):
+    """A variable of the FMU: its name, and the unit that the map gives it (None: none)."""
 
     variable: str
-    unit: str
-    factor: float
+    unit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """The names of an FMU for our quantities, and values of its parameters: numbers, or names of the train's keys."""
+    """The names of an FMU for our quantities, and values of its parameters: numbers, or names of the bench's values."""
 
     file: Path
     inputs: Mapping[str, Named]
     outputs: Mapping[str, Named]
     parameters: Mapping[str, float | str]
+
+
+def equal_names(file: Path, quantities: Quantities, variables: Container[str]) -> Names:
+    """The names of an FMU whose variables have the names of the quantities.
+
+    :param file: the FMU.
+    """
+    found = {
+        key: {name: Named(name) for name in table if name in variables} for key, table in quantities.tables.items()
+    }
+    return Names(file, found["inputs"], found["outputs"], {})
 
 
 def read_names(path: Path, quantities: Quantities) -> Names:
@@ -77,11 +106,11 @@ def read_names(path: Path, quantities: Quantities) -> Names:
     _known(path, "", table, ("inputs", "outputs", "parameters"))
     found = {
         key: {
-            name: _named(path, f"{key}.{name}", entry, unit)
-            for name, unit in units.items()
-            if (entry := _section(path, table, key, units).get(name)) is not None
+            name: _named(path, f"{key}.{name}", entry, quantity)
+            for name, quantity in known.items()
+            if (entry := _section(path, table, key, known).get(name)) is not None
         }
-        for key, units in quantities.units.items()
+        for key, known in quantities.tables.items()
     }
     for name in quantities.needed:
         key = "outputs" if name in quantities.outputs else "inputs"
@@ -94,7 +123,7 @@ def read_names(path: Path, quantities: Quantities) -> Names:
     return Names(path, found["inputs"], found["outputs"], parameters)
 
 
-def _section(path: Path, table: Mapping[str, Any], key: str, known: Mapping[str, str] | None) -> dict[str, Any]:
+def _section(path: Path, table: Mapping[str, Any], key: str, known: Mapping[str, Any] | None) -> dict[str, Any]:
     section = table.get(key, {})
     if not isinstance(section, dict):
         raise InputError(path, key, section, "a table")
@@ -109,14 +138,13 @@ def _known(path: Path, prefix: str, table: Mapping[str, Any], known: Any) -> Non
             raise InputError(path, f"{prefix}{key}", Words("unknown key"), ", ".join(known), did_you_mean(key, known))
 
 
-def _named(path: Path, key: str, entry: Any, ours: str) -> Named:
+def _named(path: Path, key: str, entry: Any, quantity: Input | Output) -> Named:
     """One entry: ``"v"``, or ``{ variable = "v", unit = "km/h" }``."""
     given = {"variable": entry} if isinstance(entry, str) else entry
     if not isinstance(given, dict) or not isinstance(given.get("variable"), str):
         raise InputError(path, key, entry, 'the name of a variable, or { variable = "v", unit = "km/h" }')
     _known(path, f"{key}.", given, ("variable", "unit"))
-    unit = given.get("unit", ours)
-    allowed = [name for name, (base, _) in UNITS.items() if base == ours]
-    if unit not in allowed:
+    unit, allowed = given.get("unit"), factors_of(quantity)
+    if unit is not None and unit not in list(allowed):
         raise InputError(path, f"{key}.unit", unit, ", ".join(allowed))
-    return Named(given["variable"], unit, UNITS[unit][1])
+    return Named(given["variable"], unit)

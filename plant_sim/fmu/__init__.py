@@ -1,1 +1,0 @@
-"""Plants that are FMUs (Functional Mock-up Interface 2.0 and 3.0, co-simulation)."""
