@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 from pathlib import Path
 
@@ -37,6 +38,15 @@ def test_dbc_files(here):
             assert words in line
     assert "is a directory" in complaint(here("ports", "--dbc", "."))
     assert not Path("runs").exists()
+
+
+def test_the_dbc_is_written_as_the_handshake_hashes_it(here):
+    assert here("ports", "--write-dbc", "my.dbc").exit_code == 0
+    assert Path("my.dbc").read_bytes() == DBC.read_bytes()
+    assert here("ports", "--system", "stop", "--write-dbc", "my.dbc").exit_code == 0
+    assert hashlib.sha256(Path("my.dbc").read_bytes()).hexdigest() in here("ports", "--system", "stop").out
+    line = complaint(here("ports", "--write-dbc", "none/my.dbc"))
+    assert "--write-dbc: the file none/my.dbc cannot be written: no such file or directory" in line
 
 
 @pytest.mark.slow

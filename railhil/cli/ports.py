@@ -1,4 +1,4 @@
-"""``railhil ports``: the wire contract - ports, layouts, bus load; the check of a DBC file of a user against it."""
+"""``railhil ports``: the wire contract - ports, layouts, bus load; its DBC; the check of a user's DBC against it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.bus.schedule import bus_load
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.common.user_files import given_text, refuse_unreadable, refuse_unwritable, whole_file
 from railhil.dbc import Contract, Port
 from railhil.dbc.text import dbc_text
 from railhil.scenarios.system import DEFAULT, system_named
@@ -27,6 +27,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
     parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default {DEFAULT})")
     parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
+    parser.add_argument("--write-dbc", metavar="FILE", type=Path, help="write the DBC, for cantools and other tools")
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
@@ -47,6 +48,9 @@ def work(namespace: argparse.Namespace) -> int:
         raise InputError("command line", "--bitrate", namespace.bitrate, "bit/s above 0")
     if namespace.dbc:
         check_foreign_dbc(namespace.dbc, contract)
+    if namespace.write_dbc is not None:
+        with refuse_unwritable("--write-dbc", namespace.write_dbc, "file"), whole_file(namespace.write_dbc) as draft:
+            draft.write_text(dbc_text(contract), "utf-8")
     loads = bus_load(contract, bit_rate)
     chosen = [_port(contract, namespace.port)] if namespace.port else list(contract.ports)
     if namespace.json:

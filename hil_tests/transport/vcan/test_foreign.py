@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.foreign import build_node, export_node, without_status
+from hil_tests.support.hub import running_hub
+from hil_tests.support.paths import ROOT
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bench import Result
 from railhil.bus.ident import Role
@@ -43,6 +46,21 @@ def test_foreign_controller_sends_the_same_frames_on_vcan(
     assert reference.log is not None
     assert without_status(folder / "frames.log") == without_status(reference.log)
     assert len(set(reference.commands("notch"))) > 10
+
+
+def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(move: Scenario, tmp_path: Path) -> None:
+    """The Python controller of docs/wire.md. It is tuned for the published run; here only its frames are compared."""
+    example, dbc = ROOT / "docs/examples/wire/controller.py", ROOT / "dbc/railhil.dbc"
+    hashes = set()
+    with running_hub() as hub:
+        for config in (socketcan(), {"interface": "railhil", "channel": hub.channel}):
+            folder = tmp_path / config["interface"]
+            folder.mkdir()
+            command = [sys.executable, str(example), config["interface"], config["channel"], str(dbc)]
+            result, exit_codes = run_on(config, move, folder, controller_command=command)
+            assert (result.trusted, exit_codes) == (True, [0, 0]), (folder / "controller.txt").read_text()
+            hashes.add(result.frames_sha256)
+    assert len(hashes) == 1
 
 
 def test_interface_that_is_not_there_is_one_line(program: Path) -> None:
