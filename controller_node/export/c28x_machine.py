@@ -1,9 +1,10 @@
 """C28x instructions and a machine that executes them: the part of the instruction set that exported laws need.
 
-Written from TI's TMS320C28x CPU and Instruction Set Reference Guide (SPRU430F): addressing modes from chapter 5,
-results, flags and cycles from chapter 6, inactive cycles from section 4.4. It is a model, and no chip has confirmed it.
-There is no branch in it. Program and data are in memory without wait states; two accesses to one memory block in the
-same cycle, and interrupts, are not modelled. V is not kept, because no instruction here depends on it.
+Written from TI's TMS320C28x CPU and Instruction Set Reference Guide (SPRU430F): flags from the tables of chapter 2,
+inactive cycles from section 4.4, addressing modes from chapter 5, results and cycles from chapter 6. It is a model, and
+no chip has confirmed it. There is no branch in it. Program and data are in memory without wait states; two accesses to
+one memory block in the same cycle, and interrupts, are not modelled. V is not kept, because no instruction here
+depends on it.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ class Machine:
         self.xar = [0] * 8
         self.dp = self.sp = 0
         self.n = self.z = self.c = self.tc = self.sxm = self.ovm = False
-        #: Net overflows of ACC since it was cleared, 6 bits.
+        #: Net overflows of ACC, and carries of ADDUL, since it was cleared: 6 bits.
         self.ovc = 0
         #: Right shift of a product; unknown before SPM.
         self.pm: int | None = None
@@ -187,8 +188,11 @@ class Machine:
         if over and self.ovm:
             exact = _SIGN - 1 if over > 0 else _SIGN
         elif over:
-            self.ovc = (self.ovc + over + 32) % 64 - 32
+            self._count_overflow(over)
         self._set(exact, carry)
+
+    def _count_overflow(self, count: int) -> None:
+        self.ovc = (self.ovc + count + 32) % 64 - 32
 
     def _negative(self) -> int:
         """The negative of ACC; the smallest number stays or, with OVM, is saturated."""
@@ -233,6 +237,7 @@ class Machine:
                 self._set(signed(self.xt) * signed(value) >> 32)
             case "ADDUL P,loc32":
                 self.c = self.p + value > _MASK
+                self._count_overflow(self.c)
                 self.p = self.p + value & _MASK
                 self.n, self.z = self.p >= _SIGN, self.p == 0
             case "ADDCL ACC,loc32":

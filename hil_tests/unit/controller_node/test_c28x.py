@@ -208,6 +208,12 @@ def test_the_overflow_mode_saturates_or_counts(ovm: bool, results: list[int]) ->
     assert machine.acc == (0x8000_0000 if ovm else 0x7FFF_FFFF)
 
 
+@pytest.mark.parametrize(("p", "carry"), [(0xFFFF_FFFE, False), (0xFFFF_FFFF, True)])
+def test_an_unsigned_sum_counts_its_carry(p: int, carry: bool) -> None:
+    machine = _run(_machine(p=p, operand=1), "ADDUL P,loc32")
+    assert (machine.c, machine.z, machine.ovc) == (carry, carry, carry)
+
+
 def test_the_pipeline_waits_for_what_has_just_been_written() -> None:
     """Section 4.4 of the guide: a read of a location that the instruction before it writes is held for three cycles."""
     store, read = Instruction("MOVL loc32,ACC", CELL), Instruction("MOVL XT,loc32", CELL)
