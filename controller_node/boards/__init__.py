@@ -156,7 +156,7 @@ class Board:
         if self.table.tick_ns:
             flags.append("-DRAILHIL_TICKS=board_ticks")
         files = [*(folder / source for source in sources), *own, *common]
-        read = [self.folder / self.table.linker_script, *files, *(h for place in headers for h in place.glob("*.h"))]
+        read = [self.folder / self.table.linker_script, *files, *(h for place in headers for h in place.glob("*.[ch]"))]
         digest = hashlib.sha256("\0".join([version, *flags, *sources]).encode())
         for file in read:
             with refuse_unreadable(file, "a file of the controller"):
@@ -167,13 +167,25 @@ class Board:
             with (place.parent / ".lock").open("w") as lock:
                 fcntl.flock(lock, fcntl.LOCK_EX)
                 if not (place / _FIGURES).is_file():
-                    with tempfile.TemporaryDirectory(prefix=".part-", dir=place.parent) as draft:
-                        figures = self._compile(path, files, headers, flags, Path(draft))
+                    draft = Path(tempfile.mkdtemp(prefix=".part-", dir=place.parent))
+                    try:
+                        figures = self._compile(path, files, headers, flags, draft)
                         table = json.dumps(figures | {"board": self.name, "compiler": version}, indent=2)
-                        Path(draft, _FIGURES).write_text(table + "\n", encoding="utf-8")
-                        shutil.rmtree(place, ignore_errors=True)
-                        shutil.copytree(draft, place)
+                        (draft / _FIGURES).write_text(table + "\n", encoding="utf-8")
+                        draft.rename(place)
+                    except BaseException:
+                        shutil.rmtree(draft, ignore_errors=True)
+                        raise
         return Image(**given_json(place / _FIGURES, "figures of an image"), file=str(place / _IMAGE))
+
+    def build_log(self, folder: Path, name: str, optimisation: str = "-O2") -> Image:
+        """The image of an export's host program (``NAME_run check``), for a board with ``log_arguments``; otherwise as
+        :meth:`build`.
+
+        :param name: of the law in C.
+        """
+        arguments = self.table.log_arguments
+        return self.build(folder, (f"{name}.c",), main="main_log.c", arguments=arguments, optimisation=optimisation)
 
     def _compile(
         self, compiler: str, files: Sequence[Path], headers: Sequence[Path], flags: Sequence[str], out: Path

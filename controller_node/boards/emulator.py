@@ -5,11 +5,13 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from statistics import median_low
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 from weakref import finalize
 
 from railhil.bus.frame import Frame
+from railhil.common.errors import Words
 from railhil.controller_node.boards import Board, Image, figures_of
 from railhil.controller_node.pipe import ControllerFailed, Pipe
 
@@ -18,6 +20,14 @@ _WITH_PARENT = ("setpriv", "--pdeathsig", "KILL")
 _QUIET = ("-display", "none", "-monitor", "none")
 _OUTPUT_OCTETS_MAX = 4000
 _END_S = 10.0
+
+
+class Instructions(NamedTuple):
+    """Numbers of instructions of control periods."""
+
+    min: int
+    median: int
+    max: int
 
 
 class Emulator:
@@ -56,6 +66,25 @@ class Emulator:
         if table.instruction_ns:
             words += ["-icount", f"shift={table.instruction_ns.bit_length() - 1}"]
         return [self._program, *_QUIET, *words]
+
+    def run(self, stdin: Path, limit_s: float) -> str:
+        """Run the image of a program that ends; returns what it printed.
+
+        :param stdin: its standard input.
+        :raises ControllerFailed: it has not ended after ``limit_s``, or the emulator has failed.
+        """
+        name = f"board {self.board.name}"
+        with stdin.open("rb") as stream:
+            try:
+                done = subprocess.run(
+                    [*_WITH_PARENT, *self.command], stdin=stream, capture_output=True, timeout=limit_s, check=False
+                )
+            except subprocess.TimeoutExpired:
+                words = Words(f"has not ended after {limit_s:g} s")
+                raise ControllerFailed(name, stdin.name, words, "a program that ends") from None
+        if said := done.stderr.decode("utf-8", "replace").strip():
+            raise ControllerFailed(name, self.board.table.emulator.program, Words(said), "an emulator that runs")
+        return done.stdout.decode("utf-8", "replace")
 
     def start(self) -> None:
         """Switch it on."""
@@ -109,17 +138,23 @@ class Emulator:
         """Board, image and emulator, and what was measured: instructions of a control period (None: not counted), and
         octets of the stack that were used (None: unknown)."""
         table = self.board.table
-        step_ns = table.instruction_ns
-        counts = sorted(round(ticks * table.tick_ns / step_ns) for ticks in self._ticks) if step_ns else []
-        counted = {"min": counts[0], "median": median_low(counts), "max": counts[-1]} if counts else None
+        counts = self.instructions(self._ticks)
         return {
             **figures_of(self.image),
             "title": table.title,
             "emulator": self.version,
             "control_periods": len(self._ticks),
-            "instructions": counted,
+            "instructions": None if counts is None else counts._asdict(),
             "stack_used_octets": self.image.stack_octets - self._free_stack if self._free_stack else None,
         }
+
+    def instructions(self, ticks: Sequence[int]) -> Instructions | None:
+        """The instructions of control periods that took so many ticks; None: it does not count them, or no period."""
+        table = self.board.table
+        if not table.instruction_ns or not ticks:
+            return None
+        counts = sorted(round(count * table.tick_ns / table.instruction_ns) for count in ticks)
+        return Instructions(counts[0], median_low(counts), counts[-1])
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -16,14 +16,24 @@
 #include "@LAW@_mailboxes.h"
 #include "railhil_result.h"
 
+/* A board that measures control periods names its counter of time here; `check` then prints the ticks of each. */
+#ifdef RAILHIL_TICKS
+uint32_t RAILHIL_TICKS(void);
+#else
+#define RAILHIL_TICKS() UINT32_C(0)
+#endif
+
 enum { RECORD_WORDS = @RECORD_WORDS@, LINE_WORDS = RECORD_WORDS + RESULT_WORDS, FLAG_BEGIN = 1, FLAG_SENT = 2 };
 
-static void run(const int32_t *record, result_t *result)
+/* Returns the ticks that it took. */
+static uint32_t run(const int32_t *record, result_t *result)
 {
     const int begins = (record[0] & FLAG_BEGIN) != 0;
+    uint32_t began;
     if (begins) {
         memset(result, 0, sizeof *result);
     }
+    began = RAILHIL_TICKS();
     @LAW@_inputs(@GIVEN@, &result->in, &result->events);
     if (begins) {
         @LAW@_start(&result->in, &result->state);
@@ -32,6 +42,7 @@ static void run(const int32_t *record, result_t *result)
     if ((record[0] & FLAG_SENT) != 0) {
         @LAW@_sent(&result->state, @TOLD@);
     }
+    return RAILHIL_TICKS() - began;
 }
 
 static int run_records(int as_text)
@@ -102,12 +113,16 @@ static int check_log(void)
     uint32_t found;
     long line = 1;
     long steps = 0;
+    uint32_t ticks;
     int i;
     int got;
     memset(&result, 0, sizeof result);
     while ((got = read_line(words, &line)) == 1) {
         memcpy(record, words, sizeof record);
-        run(record, &result);
+        ticks = run(record, &result);
+        if (ticks != 0) {
+            printf("ticks %" PRIu32 "\n", ticks);
+        }
         for (i = RECORD_WORDS; i < LINE_WORDS; i++) {
             memcpy(&found, (const char *)&result + (size_t)(i - RECORD_WORDS) * sizeof found, sizeof found);
             if (found != words[i]) {

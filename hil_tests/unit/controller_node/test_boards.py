@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 from pathlib import Path
 
 import pytest
 
+from hil_tests.support.cli import railhil
 from hil_tests.support.foreign import PORTABLE, export_node
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bus.frame import Frame
@@ -144,6 +146,53 @@ def test_an_emulated_board_answers_as_the_node(name: str, scenario: Scenario, fo
     assert 200 < figures["stack_used_octets"] < 4000
     assert counts[1]["instructions"] == figures["instructions"]
     assert "QEMU emulator version" in figures["emulator"]
+
+
+def _checked(name: str, folder: Path, law: str, optimisation: str) -> str:
+    """What the board says of the reference log, without the ticks of each control period."""
+    board = Board.load(name)
+    emulator = Emulator(board, board.build_log(folder, law, optimisation), 20.0)
+    lines = emulator.run(folder / f"{law}_log.txt", 100.0).splitlines()
+    ticks = [int(line.split()[1]) for line in lines if line.startswith("ticks ")]
+    instructions = emulator.instructions(ticks)
+    assert instructions is not None
+    assert 300 < instructions.min <= instructions.median <= instructions.max < 10_000_000
+    (said,) = [line for line in lines if not line.startswith("ticks ")]
+    assert said.startswith(f"{len(ticks)} ")
+    return said
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+@pytest.mark.long_after(1)
+@pytest.mark.parametrize(
+    ("law", "scenario"),
+    [
+        *((law, "lvshun_tieshan") for law in ("ipfc", "ipfc_plus", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid")),
+        ("ipfc_plus_stop", "lvshun_tieshan"),
+        ("ilc_stop", "yizhuang_stop"),
+        ("delay_gpc", "hst"),
+        ("elm_ngpc", "hst"),
+    ],
+)
+def test_every_word_of_a_reference_log_is_equal_on_every_board(law: str, scenario: str, tmp_path: Path) -> None:
+    done = railhil("export-c", law, scenario, "--out", tmp_path)
+    assert done.exit_code == 0, done.err
+    for name, optimisation in itertools.product(("cortex_m4f", "cortex_m3"), ("-O2", "-Os")):
+        assert "control periods identical" in _checked(name, tmp_path, law, optimisation)
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_a_word_that_differs_on_a_board_is_named(tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", "--out", tmp_path / "ipfc").exit_code == 0
+    log = tmp_path / "ipfc" / "ipfc_log.txt"
+    lines = log.read_text().splitlines()
+    assert lines[4].endswith("0")
+    log.write_text("\n".join([*lines[:4], lines[4][:-1] + "1"]) + "\n")
+    board = Board.load("cortex_m4f")
+    said = Emulator(board, board.build_log(log.parent, "ipfc"), 20.0).run(log, 100.0)
+    assert said.splitlines()[-1].startswith("line 5, word 36: 00000001 in the log, 00000000 here")
 
 
 @pytest.mark.needs_qemu
