@@ -302,7 +302,7 @@ class Writer:
             self._load(index)
             self._shift("LSL ACC,#1..16", 1)
             self._put("MOVL XARn,loc32", Loc(Mode.ACC))
-            self._acc, self._index = None, index.number
+            self._index = index.number
         start = self._layout.table(table.name, table.constants)
         self._put("MOVL ACC,loc32", self._entry(4, start + _LONG * offset))
 
@@ -369,7 +369,7 @@ class Writer:
         self._shift("LSL ACC,#1..16", 1)
         self._put("CMPL ACC,loc32", tie)
         self._put("MOVL ACC,P")
-        flag(over, "LT")
+        # The sum is below 2^32: a numerator of 32 bits gives no quotient that rounds up to it.
         self._put("ADDCL ACC,loc32", self._layout.constant(0))
         flag(over, "LT")
         self._put("NEGTC ACC")

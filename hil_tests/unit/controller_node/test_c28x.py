@@ -46,9 +46,12 @@ def _choice(ar: Tracer, a: Any, b: Any, c: Any) -> Any:
 
 
 def _entry(ar: Tracer, a: Any, b: Any, c: Any) -> Any:
+    """Entries by two indices, before and after a curve, which needs the register of the index too."""
     table = ar.table("table", [Constant(f"t{i}", i * i - 9.0, 20) for i in range(12)])
     index = ar.index(a, 9)
-    return ar.add(ar.at(table, index), ar.at(table, index, 2))
+    first = ar.convert(ar.add(ar.at(table, index), ar.at(table, ar.index(b, 5))), 20, 24)
+    curved = ar.curve(CURVE, ar.const(Constant("half", 0.5, 20)))
+    return ar.add(first, ar.add(ar.convert(curved, 28, 24), ar.convert(ar.at(table, index, 2), 20, 24)))
 
 
 OPERATIONS: dict[str, Make] = {
@@ -101,6 +104,12 @@ def test_a_product_or_quotient_gives_the_same_word_in_each_format(
 ) -> None:
     """Rounded with ties upward, saturated, divided by zero."""
     _compare(lambda ar, a, b, c: getattr(ar, name)(a, b, q), values)
+
+
+@settings(deadline=None, max_examples=60)
+@given(a=st.integers(-200, 200), q=st.integers(1, 28), sign=st.sampled_from((-1, 1)))
+def test_half_a_unit_of_a_quotient_is_rounded_upward(a: int, q: int, sign: int) -> None:
+    _compare(lambda ar, a, b, c: ar.div(a, b, q), (a, sign << (q + 1), 0))
 
 
 @settings(deadline=None, max_examples=60)
@@ -206,6 +215,17 @@ def test_the_overflow_mode_saturates_or_counts(ovm: bool, results: list[int]) ->
     machine.acc = 0x8000_0000
     assert _run(machine, "SUBL ACC,loc32").ovc == results[1]
     assert machine.acc == (0x8000_0000 if ovm else 0x7FFF_FFFF)
+
+
+@given(a=WORD, b=WORD)
+def test_signs_are_taken_off_and_put_on_again(a: int, b: int) -> None:
+    """TC is the sign of a product or quotient; the smallest number stays."""
+    machine = _machine()
+    for value in (a, b):
+        machine.acc = value
+        assert _run(machine, "ABSTC ACC").acc == abs(signed(value))
+    assert machine.tc == ((signed(a) < 0) != (signed(b) < 0))
+    assert _run(machine, "NEGTC ACC").acc == (-abs(signed(b)) if machine.tc else abs(signed(b))) & 0xFFFF_FFFF
 
 
 @pytest.mark.parametrize(("p", "carry"), [(0xFFFF_FFFE, False), (0xFFFF_FFFF, True)])
