@@ -68,14 +68,17 @@ class Ident(telegrams.Ident):
 def _shown(field: str, value: int) -> str:
     """A handshake value for the user: its name if it has one, else the hexadecimal code."""
     if field == "law":
-        return _law_shown(value)
+        return law_words(value)
     words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS, "pace": PACES}.get(field, ())
     return words[value] if value < len(words) else f"{value:08x}"
 
 
-def _law_shown(code: int) -> str:
-    """The installed laws with this code and their own parameters; the code of a parameter file cannot be decoded."""
-    return " or ".join(laws_of_code(code)) or f"{code:03x} (no installed law with its own parameters)"
+def law_words(code: int, group: str = "railhil.laws") -> str:
+    """The installed laws with this code and their own parameters; the code of a parameter file cannot be decoded.
+
+    :param group: entry point group of the system's laws.
+    """
+    return " or ".join(laws_of_code(code, group)) or f"{code:03x} (no installed law with its own parameters)"
 
 
 class PltIdent(Ident, telegrams.PltIdent):

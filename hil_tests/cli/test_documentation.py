@@ -20,7 +20,7 @@ _RAW = _REPOSITORY.replace("github.com", "raw.githubusercontent.com")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
-_COMMAND = re.compile(r"\brailhil ((?:bus |memory |new |node |sequence )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
+_COMMAND = re.compile(r"\brailhil ((?:board |bus |memory |new |node |sequence )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
 _OPTION = re.compile(r"(?<!\S)--?[a-z][a-z0-9-]*")
 
 
@@ -37,7 +37,7 @@ def _subparsers(parser: ArgumentParser) -> dict[str, ArgumentParser]:
 def _options() -> dict[str, set[str]]:
     """Command, as it is typed after ``railhil`` -> its options."""
     found = _subparsers(commands.parser())
-    for above in ("bus", "memory", "new"):
+    for above in ("board", "bus", "memory", "new"):
         found |= {f"{above} {name}": parser for name, parser in _subparsers(found.pop(above)).items()}
     del found["node"]
     programs = {f"node {role}": module for role, module in outside.NODES.items()}

@@ -31,6 +31,7 @@ _COMMANDS = {
     "doctor": "timing and limits of this machine and its transports",
     "node": "run one node by itself",
     **{name: line for name, (_, line) in programs.PROGRAMS.items()},
+    "board": "check a controller on a bus before its first run",
     "bus": "bus processes",
 }
 
