@@ -18,7 +18,7 @@ from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
 from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.controller_node.controller import make_controller_node, write_fault_log
-from railhil.controller_node.laws import find
+from railhil.controller_node.laws import law_class
 from railhil.controller_node.process_loop import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
@@ -81,8 +81,8 @@ def main(words: Sequence[str] | None = None) -> int:
     law = _law(namespace, system)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.
-        print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)
-        system.part("controller")(scenario, law)
+        print(json.dumps(law_document(law.controller, law_class(law, scenario))), flush=True)
+        make_controller_node(scenario, RunSpec(law=law)).close()
         return 0
     if namespace.telemetry is not None:
         with refuse_unwritable("--telemetry", namespace.telemetry, "file"):
@@ -91,7 +91,7 @@ def main(words: Sequence[str] | None = None) -> int:
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
     node = make_controller_node(
         scenario,
-        RunSpec(law=law, seed=namespace.seed),
+        RunSpec(law=law, seed=namespace.seed, patience_s=namespace.patience),
         fd=choice.fd,
         bit_rate=getattr(namespace, "bitrate", None),
         folder=namespace.fault_log,
@@ -104,6 +104,7 @@ def main(words: Sequence[str] | None = None) -> int:
         with cycle("controller", namespace.realtime_priority):
             return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
     finally:
+        node.close()
         # The telemetry is also written if the run ended early: the values measured until then are evidence.
         if namespace.telemetry is not None:
             ignore_ending_signals()

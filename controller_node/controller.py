@@ -27,6 +27,9 @@ class AnyController(Protocol):
     def was_stopped(self, sim_ns: int, /) -> None:
         """Note that it was stopped for ``sim_ns`` of simulation time and got none of the frames (a fault)."""
 
+    def close(self) -> None:
+        """End what computes for it outside of this process."""
+
     @property
     def lockstep(self) -> bool:
         """True unless the pace is known to follow the wall clock."""
@@ -77,8 +80,17 @@ def make_controller_node(
     system = scenario.installed_system
     part, contract = system.part("controller"), system.contract
 
+    made: list[AnyController] = []
+
     def make() -> Any:
-        return part(scenario, run.law, controller, fd=fd, bit_rate=bit_rate)
+        # A fault starts it anew.
+        for one in made:
+            one.close()
+        given = run.law.given
+        if given is None:
+            return part(scenario, run.law, controller, fd=fd, bit_rate=bit_rate)
+        made[:] = [given.make_node(scenario, run, fd=fd, bit_rate=bit_rate)]
+        return made[0]
 
     if not scenario.faults:
         return cast(AnyController, make())

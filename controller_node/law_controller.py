@@ -88,7 +88,8 @@ class LawController:
         ranges = None
         if not number.wide and not may_wrap:
             ranges = refuse_wraps(program, self.law, f"at {self._loop.made_for}", self.wire)
-        self._loop.compiled = compile_law(program, self.law, number, ranges)
+        if law.given is None:
+            self._loop.compiled = compile_law(program, self.law, number, ranges)
         # Telemetry starts here, after the law's constants have been made.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)

@@ -32,6 +32,8 @@ class LawNode:
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, law_type: type[Any], controller: Any) -> None:
         self.controller: Any = controller or self.computes(scenario, law)
+        #: Ends what computes for it outside of this process; None: nothing does.
+        self.ends: Callable[[], None] | None = None
         self.law = law
         self.law_type: Any = law_type
         self.ended: Event | None = None
@@ -76,6 +78,11 @@ class LawNode:
     def lockstep(self) -> bool:
         """True unless the pace is known to follow the wall clock."""
         return not self._clock.rate
+
+    def close(self) -> None:
+        """End what computes for it outside of this process."""
+        if self.ends is not None:
+            self.ends()
 
     def was_out(self, wall_ns: int) -> None:
         """Note that the interface was down for ``wall_ns``: what was read is older by that time."""

@@ -103,10 +103,13 @@ def _memory(controller: Any) -> dict[str, Any]:
 
 
 def write_telemetry(node: AnyController, path: Path) -> None:
-    """Write the complete document or none.
+    """Write the complete document; none for a controller that states nothing of its own.
 
     If the disk is full, the file is lost and a line is printed to stderr, but the run itself is still valid.
     """
+    if node.controller is None:
+        # A program or a board of somebody else.
+        return
     text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
     try:
         with whole_file(path) as draft:

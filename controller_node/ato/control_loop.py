@@ -11,7 +11,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.ato.setpoint import SetPoints
 from railhil.controller_node.compiled_law import Values
 from railhil.controller_node.law_loop import LawLoop, starting
-from railhil.controller_node.laws import load
+from railhil.controller_node.laws import law_class, load
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, LawOutputs, TrackInputs
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind
 from railhil.controller_node.program.tracer import FormatError, Tracer
@@ -54,7 +54,7 @@ class ControlLoop(LawLoop[T]):
         arithmetic: Arithmetic[T],
     ) -> None:
         name, indexing = law.controller, law.indexing
-        kind = load(name)
+        kind = load(name) if law.given is None else law_class(law, scenario)
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", name, indexing, f"{' or '.join(kind.indexings)} with this law")
         longest_m = POSITION_MAX_01MM / 1e4 / scenario.wheel_factor_max

@@ -20,7 +20,8 @@ from railhil.controller_node.ato.odometer import Odometer
 from railhil.controller_node.ato.status import StatusReports
 from railhil.controller_node.ato.track_info import TrackInfo
 from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
-from railhil.controller_node.laws import load
+from railhil.controller_node.laws import law_class
+from railhil.controller_node.laws.base import Law
 from railhil.controller_node.node import LawNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.run_spec import LawSpec
@@ -104,7 +105,7 @@ class ControllerNode(LawNode):
         fd: bool = False,
         bit_rate: int | None = None,
     ) -> None:
-        super().__init__(scenario, law, load(law.controller), controller)
+        super().__init__(scenario, law, law_class(law, scenario, Law), controller)
         safe, task_ns = scenario.safety.sdt, law.task_period_ms * _NS_PER_MS
         counter = BitCounter(_supported_bit_rate(law, bit_rate, safe=safe, fd=fd))
         needed = self.law_type.track or law.over_distance

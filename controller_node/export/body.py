@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.export.text import Names, comment, identifier, literal
-from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+from railhil.controller_node.export.text import Names, comment, literal
+from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value, identifier
 
 
 @dataclass(slots=True)

@@ -27,8 +27,8 @@ from railhil.controller_node.export.control import (
     Word,
 )
 from railhil.controller_node.export.ports import CTelegram
-from railhil.controller_node.export.text import SHARED, Names, identifier, literal, wide
-from railhil.controller_node.program.model import Value
+from railhil.controller_node.export.text import SHARED, Names, literal, wide
+from railhil.controller_node.program.model import Value, identifier
 from railhil.controller_node.program.tracer import record_loop
 from railhil.controller_node.vector.controller import VectorController, VectorLoop, refuse_wide_readings
 from railhil.controller_node.vector.law import Interface, raw_range

@@ -13,7 +13,8 @@ from railhil.bus.mvb import master_word
 from railhil.bus.responder import slow_port
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.export.control import Control
-from railhil.controller_node.export.text import SHARED, Names, comment, header, identifier, names_of_files
+from railhil.controller_node.export.text import SHARED, Names, comment, header, names_of_files
+from railhil.controller_node.program.model import identifier
 from railhil.dbc import Port, Signal
 from railhil.dbc.contract import ANTIVALENT_VALUES, CHECK_VALUES, snake_case
 

@@ -9,8 +9,8 @@ from railhil.controller_node.export.body import Body, Data, remark, type_of
 from railhil.controller_node.export.control import Control, Source, Word
 from railhil.controller_node.export.fixed import FixedBody
 from railhil.controller_node.export.single import SingleBody
-from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, identifier, literal
-from railhil.controller_node.program.model import Kind, Program, Value
+from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, header, literal
+from railhil.controller_node.program.model import Kind, Program, Value, identifier
 
 #: Arithmetics of the C.
 BODIES: dict[str, type[Body]] = {"iq": FixedBody, "float32": SingleBody}

@@ -8,6 +8,7 @@ from functools import cache
 from importlib.resources import as_file, files
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
+from railhil.controller_node.program.model import identifier
 
 #: Number of initial characters of an external name that C99 requires a compiler to distinguish.
 LENGTH_MAX = 31
@@ -20,13 +21,6 @@ _KEYWORDS = """
 """
 #: Parameters of the exported functions, and functions of the C library.
 _TAKEN = "in out state events main abs labs"
-
-
-def identifier(text: str) -> str:
-    """A C identifier from a quantity's or constant's name: ``free[3][0]`` -> ``free_3_0``, ``-x`` -> ``minus_x``."""
-    text = re.sub(r"^-+", lambda signs: "minus_" * len(signs.group()), text)
-    text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_") or "value"
-    return f"n_{text}" if text[0].isdigit() else text
 
 
 class Names:

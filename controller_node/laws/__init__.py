@@ -8,6 +8,8 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.plug_ins import cause_of, entries, guard_plug_in, sort_laws
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
 
 GROUP = "railhil.laws"
 
@@ -51,6 +53,17 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
         allowed = f"an entry point in {group} naming a subclass of {base.__name__}"
         raise InputError("controller", name, found[name].value, allowed)
     return law
+
+
+def law_class(law: LawSpec, scenario: AnyScenario, base: type[Any] = object) -> Any:
+    """Class of the law of a run; for a controller that the user brings, and that is no export of an installed law, the
+    law without a program.
+
+    :raises InputError: like :func:`find`, or no controller can be brought to the system.
+    """
+    if law.given is None or law.given.law:
+        return find(law.controller, scenario.installed_system.laws, base)
+    return scenario.installed_system.part("given")
 
 
 def is_floating(name: str, group: str) -> bool:

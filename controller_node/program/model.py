@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -39,6 +40,13 @@ def map_leaves(template: Any, make: Callable[[str, Any], Any], prefix: str = "")
 
 #: Inputs of a law with ``track`` in addition to k, speed and position: the fields of a ``BaliseReading``.
 BALISE_INPUTS = ("balise", "balise_01mm", "balise_odometer_01mm")
+
+
+def identifier(text: str) -> str:
+    """A C identifier from a quantity's or constant's name: ``free[3][0]`` -> ``free_3_0``, ``-x`` -> ``minus_x``."""
+    text = re.sub(r"^-+", lambda signs: "minus_" * len(signs.group()), text)
+    text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_") or "value"
+    return f"n_{text}" if text[0].isdigit() else text
 
 
 class BranchError(Exception):

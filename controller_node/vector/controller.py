@@ -10,7 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, T
 from railhil.controller_node.law_controller import CommandCode, LawController
 from railhil.controller_node.law_loop import LawLoop
-from railhil.controller_node.laws import find
+from railhil.controller_node.laws import law_class
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
 from railhil.scenarios.model import AnyScenario
@@ -38,7 +38,7 @@ class VectorLoop(LawLoop[T]):
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[T]) -> None:
         system = scenario.installed_system
         self.interface: Interface = system.part("interface")
-        kind = find(law.controller, system.laws, VectorLaw)
+        kind = law_class(law, scenario, VectorLaw)
         period_s = scenario.timing.control_period_ns / 1e9
         if not arithmetic.wide:
             refuse_wide_readings(self.interface)

@@ -13,7 +13,7 @@ from railhil.bus.layout import Telegram
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
-from railhil.controller_node.laws import find
+from railhil.controller_node.laws import law_class
 from railhil.controller_node.node import LawNode
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
@@ -142,7 +142,7 @@ class VectorNode(LawNode):
         if law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, f"0 with system {system.name}")
         refuse_indexing(system, law)
-        super().__init__(scenario, law, find(law.controller, system.laws, VectorLaw), controller)
+        super().__init__(scenario, law, law_class(law, scenario, VectorLaw), controller)
         self.lost_messages = 0
         self.lost_by_mailbox: dict[str, int] = {}
         self._interface: Interface = system.part("interface")

@@ -34,6 +34,7 @@ from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.record.run_folder import json_text, remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan, run_into
+from railhil.scenarios.given import given_controller
 from railhil.scenarios.options import add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -198,7 +199,7 @@ def work(namespace: argparse.Namespace) -> int:
         print_words(namespace.json)
         return PASS
     system = run_system(namespace)
-    if namespace.controller:
+    if namespace.controller and given_controller(namespace.controller) is None:
         system.check_law(namespace.controller, "command line", "--controller")
     base = run_spec(namespace, namespace.controller, None)
     jobs = namespace.jobs if base.is_local else 1

@@ -13,7 +13,8 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.record import Record, checked_record
-from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
+from railhil.scenarios.given import NamedCode, RecordedController, refuse_beside
+from railhil.scenarios.options import add_fmu_options, add_option, named_code
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -71,7 +72,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
 
     :raises InputError: no such law; for the plant, another FMU than the run's.
     """
-    controller, arithmetic, fmu = namespace.controller, namespace.arithmetic, named_fmu(namespace)
+    controller, arithmetic, (fmu, given) = namespace.controller, namespace.arithmetic, named_code(namespace)
     system = record.system
     if namespace.node == "controller" and fmu is not None:
         raise InputError("command line", FMU_OPTION, fmu.file, Sentence("used only with --node plant"))
@@ -79,7 +80,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
         # The controller needs no plant.
         left_out = {FMU_KEY} if namespace.node == "controller" else set()
         kept = {key: value for key, value in record.certificate.items() if key not in left_out}
-        spec = RunSpec.from_json(kept, record.log, fmu)
+        spec = RunSpec.from_json(kept, record.log, NamedCode(fmu))
     else:
         ident = record.trace.ident(PltIdent)
         assert ident is not None, "checked_record has read it"
@@ -88,6 +89,11 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
             law=LawSpec(system.law), seed=ident.seed, perturbed=is_perturbed(ident), pace=pace, plant_fmu=fmu
         )
     law = spec.law
+    if given is not None:
+        refuse_beside(given, {"--arithmetic": arithmetic})
+        return replace(spec, law=LawSpec.of_given(given, law.indexing, law.task_period_ms))
+    if isinstance(law.given, RecordedController) and namespace.node == "controller":
+        raise law.given.refuse()
     if controller is not None and controller != law.controller:
         # Parameters and memory belong to the other law.
         law = LawSpec(controller, law.arithmetic, law.indexing, task_period_ms=law.task_period_ms)

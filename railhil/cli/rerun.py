@@ -19,7 +19,7 @@ from railhil.judge.result import Result
 from railhil.record.difference import Difference, first_difference
 from railhil.record.framelog import read_log
 from railhil.run.make import record_run
-from railhil.scenarios.options import add_fmu_options, add_option, named_fmu
+from railhil.scenarios.options import add_code_options, add_option, named_code
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -29,7 +29,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     said = "auto: over a bus, as railhil run (default: local, without -i and the like)"
     add_option(parser, "--bus", default=None, help=said)
     parser.add_argument("--out", metavar="DIR", help="folder of the repeated run (default: kept only if it differs)")
-    add_fmu_options(parser)
+    add_code_options(parser)
     add_json_argument(parser)
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
@@ -37,7 +37,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Repeat, compare, print; exit code 0 for the same bytes (of the contract, on a shared bus), 1 for others."""
-    run = again.certified_run(namespace.run, named_fmu(namespace))
+    run = again.certified_run(namespace.run, named_code(namespace))
     again.repeatable(run)
     console = Output(stderr=namespace.json)
     given = named_bus(namespace)

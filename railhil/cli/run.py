@@ -24,6 +24,7 @@ from railhil.run.make import record_run
 from railhil.run.memory import memory_lines
 from railhil.run.report import as_recorded, report_line
 from railhil.run.run import Observer, Plan
+from railhil.scenarios.given import NamedCode, refuse_beside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import (
@@ -33,7 +34,7 @@ from railhil.scenarios.options import (
     add_options,
     add_run_options,
     law_spec,
-    named_fmu,
+    named_code,
 )
 from railhil.scenarios.options import run_spec as named_run
 from railhil.scenarios.parameters import ParameterSet
@@ -91,6 +92,8 @@ def start_up(namespace: argparse.Namespace) -> StartUp:
     return StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
 
 
+#: Keys of a run that only laws have.
+_OF_A_LAW = ("arithmetic", "parameters", "memory", "memory_store")
 #: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
 
@@ -139,12 +142,15 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     :raises InputError: all errors together.
     """
     faults = Faults()
-    fmu = named_fmu(namespace)
-    layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults, fmu)]
+    code = named_code(namespace)
+    layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults, code)]
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
+    if code.controller is not None:
+        del words["controller"]
+        refuse_beside(code.controller, {OPTIONS[key]: words.get(key) for key in _OF_A_LAW})
     layers.append(Layer("command line", words, OPTIONS))
-    return replace(RunSpec.from_layers(layers, faults), plant_fmu=fmu)
+    return RunSpec.from_layers(layers, faults).with_code(code)
 
 
 def _read_spec(namespace: argparse.Namespace) -> RunSpec:
@@ -208,7 +214,11 @@ def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> Run
 def compare_with_certificate(path: Path, spec: RunSpec, result: Result) -> str:
     """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
     changed run."""
-    if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path, spec.plant_fmu):
+    if (
+        path.suffix != ".json"
+        or spec.is_realtime
+        or spec != RunSpec.from_file(path, NamedCode(spec.plant_fmu, spec.law.given))
+    ):
         return ""
     document = json.loads(given_text(path))
     then = document.get("frames_sha256")

@@ -22,6 +22,10 @@ SYSTEMS = {
     "hst1": "railhil.systems.high_speed:HST1",
     "stop": "railhil.systems.stop:STOP",
 }
+#: The kinds of controllers that a user brings (:mod:`railhil.scenarios.given`).
+CONTROLLERS = {
+    "python": "railhil.controller_node.given.python:PythonFile",
+}
 #: Packages with the laws that come with railhil, by their group. A module there is a law: a class, the module's name
 #: in capitals (``mm_gpc``: ``MmGpc``). A package may have ``ORDER``, the order of its laws in every list.
 SHIPPED = {
@@ -30,6 +34,9 @@ SHIPPED = {
     "railhil.laws_stop": "railhil.controller_node.stop.laws",
 }
 
+
+#: Entry points that come with railhil one by one, by their group.
+_NAMED = {"railhil.systems": SYSTEMS, "railhil.controllers": CONTROLLERS}
 
 #: Modules that systems of earlier versions of ``railhil new system`` import and that have another name now.
 RENAMED = {"railhil.record.status": "railhil.record.notes"}
@@ -95,9 +102,8 @@ def _entries(group: str, path: tuple[str, ...]) -> Mapping[str, importlib.metada
 
 
 def _shipped(group: str) -> Iterator[importlib.metadata.EntryPoint]:
-    if group == "railhil.systems":
-        for name, reference in SYSTEMS.items():
-            yield importlib.metadata.EntryPoint(name, reference, group)
+    for name, reference in _NAMED.get(group, {}).items():
+        yield importlib.metadata.EntryPoint(name, reference, group)
     if group in SHIPPED:
         package = find_spec(SHIPPED[group])
         assert package is not None

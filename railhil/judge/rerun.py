@@ -22,8 +22,8 @@ from railhil.record.difference import first_difference
 from railhil.record.documents import CERTIFICATE, read_certificate
 from railhil.record.framelog import BLF_SUFFIX, log_sha256, read_log
 from railhil.record.hash_list import HASH_LIST
+from railhil.scenarios.given import NO_CODE, NamedCode
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import SCENARIO, read_scenario
 from railhil.scenarios.system import DEFAULT, system_named
@@ -54,12 +54,12 @@ class CertifiedRun:
         return str(self.certificate.get("telegrams_sha256") or "")
 
 
-def certified_run(text: str, fmu: PlantFmu | None = None) -> CertifiedRun:
+def certified_run(text: str, code: NamedCode = NO_CODE) -> CertifiedRun:
     """The run of a run folder or of a certificate.
 
-    :param fmu: that the command line names, for a run whose plant was one.
-    :raises InputError: there is no certificate, it describes no run, the log beside it is another one, or its plant was
-        another FMU.
+    :param code: that the command line names, for a run with code of the user.
+    :raises InputError: there is no certificate, it describes no run, the log beside it is another one, or the run had
+        other code.
     """
     given = Path(text)
     path = given / CERTIFICATE if given.is_dir() else given
@@ -77,7 +77,7 @@ def certified_run(text: str, fmu: PlantFmu | None = None) -> CertifiedRun:
         check_folder(path.parent, document)
     if log is not None and (found := log_sha256(log)) != wanted:
         raise InputError(log, "sha256", found, f"{wanted} ({path.name} beside it): a log that nobody changed")
-    return CertifiedRun(path, document, RunSpec.from_json(document, path, fmu), log)
+    return CertifiedRun(path, document, RunSpec.from_json(document, path, code), log)
 
 
 def _logs(folder: Path) -> tuple[Path, ...]:

@@ -162,7 +162,8 @@ class LocalRun(Run):
             "controller": dict(controller.counters),
             "supervisor": session.counters,
         }
-        return replace(result, counters=counters, telemetry=telemetry_document(controller))
+        told = {} if controller.controller is None else telemetry_document(controller)
+        return replace(result, counters=counters, telemetry=told)
 
     def close(self) -> str:
         """Write the nodes' final reports, their telemetry and the logs of the faults, and close the log; returns its
@@ -170,6 +171,7 @@ class LocalRun(Run):
         write_telemetry(self.controller, self.folder / TELEMETRY)
         self.plant.faults.write_logs()
         write_fault_log(self.controller)
+        self.controller.close()
         return self.log.close()
 
 

@@ -19,6 +19,7 @@ from railhil.run.bus_run import BusRun
 from railhil.run.memory import keep_memory, learned, with_memory
 from railhil.run.node_commands import chosen_bus
 from railhil.run.run import Observer, Plan, Run
+from railhil.scenarios.given import RecordedController
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -90,6 +91,8 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
     """
+    if isinstance(spec.law.given, RecordedController):
+        raise spec.law.given.refuse()
     scenario = spec.load() if scenario is None else scenario
     observer = _Observers(observers)
     with ExitStack() as held:

@@ -14,6 +14,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.record.run_folder import PARAMETERS
+from railhil.scenarios.given import GivenController, NamedCode, given_controller, refuse_beside
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -33,7 +34,7 @@ _LIBRARY = Path("railhil.run")
 def spec_of(
     scenario: str | Path,
     *,
-    controller: str | None,
+    controller: Any,
     arithmetic: str | None,
     indexing: str,
     parameters: Parameters | None,
@@ -48,6 +49,9 @@ def spec_of(
     :raises InputError: the scenario cannot be loaded, or the parameters cannot be read.
     """
     name, given, faults = stable_name(str(scenario)), settings_of(settings), texts_of(faults)
+    if (brought := brought_controller(controller)) is not None:
+        refuse_beside(brought, {"arithmetic": arithmetic, "parameters": parameters, "memory": memory}, "railhil.run")
+        return RunSpec(name, given, LawSpec.of_given(brought, indexing), faults=faults, **beside)
     if controller is None or arithmetic is None:
         system = load_any(name, given, faults).installed_system
         controller, arithmetic = controller or system.law, arithmetic or system.arithmetic
@@ -56,18 +60,35 @@ def spec_of(
     return RunSpec(name, given, law, memory_store=memory_store, faults=faults, **beside)
 
 
+def brought_controller(controller: Any) -> GivenController | None:
+    """The controller that is no law's name: code as a text, or a function or object; None: a law.
+
+    :raises InputError: it is neither.
+    """
+    if controller is None:
+        return None
+    if isinstance(controller, str | Path):
+        return given_controller(str(controller))
+    if isinstance(controller, GivenController):
+        return controller
+    from railhil.controller_node.given.python import PythonObject
+
+    return PythonObject(controller)
+
+
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
     """A run from any source, checked like a file; and its scenario.
 
     :raises InputError: a value is not allowed; one line.
     """
     spec = replace(spec, settings=texts_of(spec.settings), faults=texts_of(spec.faults))
-    checked = RunSpec.from_json(spec.as_json(), _LIBRARY)
+    checked = RunSpec.from_json(spec.as_json(), _LIBRARY, NamedCode(spec.plant_fmu, spec.law.given))
     kept = replace(checked, can=spec.can, start_up=spec.start_up, out=spec.out)
     spec = replace(kept, law=spec.law, memory_store=spec.memory_store)
     loaded = spec.load()
     system, law = loaded.installed_system, spec.law
-    system.check_law(law.controller, _LIBRARY, "controller")
+    if law.given is None:
+        system.check_law(law.controller, _LIBRARY, "controller")
     if law.parameters is not None and law.parameters.source == Path(PARAMETERS):
         # Their file does not exist yet: the error names the call.
         values = replace(law.parameters, source=_LIBRARY)

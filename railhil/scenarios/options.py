@@ -28,6 +28,7 @@ from railhil.common.command_line import (
 )
 from railhil.common.errors import InputError, Sentence
 from railhil.common.patience import APPEAR_S, PATIENCE_S
+from railhil.scenarios.given import NamedCode, given_controller, refuse_beside
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -71,7 +72,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "help": 'inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
     },
     # The law, and the way to run it.
-    "--controller": {"metavar": "LAW", "help": "control law (default: that of the system)"},
+    "--controller": {"metavar": "LAW", "help": "control law (default: that of the system), or a controller of yours"},
     "--parameters": {"type": Path, "metavar": "FILE", "help": "parameters of the law (default: its own)"},
     "--arithmetic": {"choices": sorted(ARITHMETICS), "help": "(default: that of the scenario's system)"},
     "--indexing": {"choices": INDEXINGS, "default": "time", "help": "set-point indexing (default time)"},
@@ -158,6 +159,12 @@ def add_fmu_options(parser: argparse.ArgumentParser) -> None:
     add_options(parser, OPTION, MAP_OPTION)
 
 
+def add_code_options(parser: argparse.ArgumentParser) -> None:
+    """Options that name the code of a recorded run again."""
+    add_fmu_options(parser)
+    add_option(parser, "--controller", metavar="CODE", help="the controller of the run, if it was not a law")
+
+
 def law_spec(
     namespace: argparse.Namespace,
     system: System,
@@ -167,8 +174,16 @@ def law_spec(
 ) -> LawSpec:
     """The law of a command line with :func:`add_law_options`.
 
+    :param controller: name of a law, or text of a controller that the user brings.
     :param system: of the scenario: its law and its arithmetic are the defaults.
+    :raises InputError: there is no such controller, or it takes no option that is given.
     """
+    given = None if controller is None else given_controller(controller)
+    if given is not None:
+        refuse_beside(
+            given, {"--arithmetic": namespace.arithmetic, "--parameters": parameters, "--memory-from": memory}
+        )
+        return LawSpec.of_given(given, namespace.indexing, namespace.task_period_ms)
     arithmetic = namespace.arithmetic or system.arithmetic
     law = controller or system.law
     return LawSpec(law, arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
@@ -199,6 +214,15 @@ def run_spec(namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
         faults=tuple(getattr(namespace, "fault", ())),
         run_number=namespace.run_number,
     )
+
+
+def named_code(namespace: argparse.Namespace) -> NamedCode:
+    """The code that a command line names: an FMU, and a controller that is not the name of a law.
+
+    :raises InputError: like :func:`named_fmu` and :func:`~railhil.scenarios.given.given_controller`.
+    """
+    controller = getattr(namespace, "controller", None)
+    return NamedCode(named_fmu(namespace), None if controller is None else given_controller(controller))
 
 
 def named_fmu(namespace: argparse.Namespace) -> PlantFmu | None:

@@ -32,12 +32,14 @@ from railhil.common.errors import Faults, InputError, Sentence, Words, did_you_m
 from railhil.common.patience import PATIENCE_S
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
+from railhil.scenarios.given import KEY as GIVEN_KEY
+from railhil.scenarios.given import NO_CODE, NamedCode, RecordedController
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.memory_store import MemoryStore, read_memory
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
-from railhil.scenarios.plant_fmu import PlantFmu, check_recorded_fmu
+from railhil.scenarios.plant_fmu import check_recorded_fmu
 from railhil.scenarios.settings import normalise_fault, normalise_setting
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import list_errors
@@ -151,17 +153,24 @@ def restore_asked(document: Mapping[str, Any]) -> dict[str, Any]:
     return {**document, **asked} if isinstance(asked, dict) else dict(document)
 
 
-def file_layer(path: Path, faults: Faults, fmu: PlantFmu | None = None) -> Layer:
+def file_layer(path: Path, faults: Faults, code: NamedCode = NO_CODE) -> Layer:
     """The run of a TOML file, or of a certificate (``.json``) of any version. Errors are added to ``faults``.
 
-    :param fmu: that the command line names.
+    :param code: that the command line names.
     """
     stored = path.suffix == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
         values = restore_asked(_read_table(path, stored)) if stored else _read_table(path, stored)
         if values.get(FMU_KEY) and stored:
-            check_recorded_fmu(values, path, fmu)
+            check_recorded_fmu(values, path, code.plant_fmu)
+        if values.get(GIVEN_KEY) and stored:
+            recorded = values
+            # The name is that of no law.
+            values = {key: value for key, value in values.items() if key not in ("controller", "arithmetic")}
+            found = code.check_recorded(recorded, path).controller
+            if isinstance(found, RecordedController):
+                raise found.refuse()
     model = RunDocument if stored else _Named
     try:
         model.model_validate(values)

@@ -17,10 +17,12 @@ from typing import TYPE_CHECKING, Any
 from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
 from railhil.common.errors import Faults, InputError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
+from railhil.scenarios.given import KEY as GIVEN_KEY
+from railhil.scenarios.given import NO_CODE, GivenController, NamedCode
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
-from railhil.scenarios.plant_fmu import PlantFmu, check_recorded_fmu
+from railhil.scenarios.plant_fmu import PlantFmu
 from railhil.scenarios.settings import fault_words, set_words
 
 # The modules that read and check files are imported where they are used: a node that gets its scenario from its parent
@@ -41,6 +43,8 @@ class LawSpec:
     :param parameters: parameters of the law from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
     :param memory: memory that the law kept from its last runs; None: it has no memory.
+    :param given: the controller that the user brings instead of a law; ``controller`` and ``arithmetic`` are then its
+        own.
     """
 
     controller: str = USUAL_LAW
@@ -49,11 +53,19 @@ class LawSpec:
     parameters: ParameterSet | None = None
     task_period_ms: int = 0
     memory: Memory | None = None
+    given: GivenController | None = None
+
+    @classmethod
+    def of_given(cls, given: GivenController, indexing: str = "time", task_period_ms: int = 0) -> LawSpec:
+        """The controller that the user brings."""
+        return cls(given.name, given.arithmetic, indexing, task_period_ms=task_period_ms, given=given)
 
     @property
     def label(self) -> str:
         """Name of the law in the handshake: with the digests of its parameters and its memory if they come from
         files."""
+        if self.given is not None:
+            return self.given.label
         label = self.controller if self.parameters is None else self.parameters.controller
         return label if self.memory is None else f"{label}@{self.memory.digest}"
 
@@ -70,7 +82,11 @@ class LawSpec:
     @property
     def words(self) -> list[str]:
         """As words of a command line, without the task period if it is 0."""
-        words = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
+        words = ["--indexing", self.indexing]
+        if self.given is not None:
+            words = [*self.given.words, *words]
+        else:
+            words = ["--controller", self.controller, "--arithmetic", self.arithmetic, *words]
         words += ["--parameters", str(self.parameters.source)] if self.parameters is not None else []
         words += ["--memory-from", str(self.memory.source)] if self.memory is not None else []
         return words + (["--task-period-ms", str(self.task_period_ms)] if self.task_period_ms else [])
@@ -99,6 +115,7 @@ class LawSpec:
             "parameters": None if self.parameters is None else self.parameters.as_json(),
             "task_period_ms": self.task_period_ms,
             "memory": None if self.memory is None else self.memory.as_json(),
+            **({} if self.given is None else {GIVEN_KEY: self.given.as_json()}),
         }
 
 
@@ -175,21 +192,21 @@ class RunSpec:
     out: str | Path | None = field(default=None, compare=False)
 
     @classmethod
-    def from_json(cls, document: Mapping[str, Any], file: Path, fmu: PlantFmu | None = None) -> RunSpec:
+    def from_json(cls, document: Mapping[str, Any], file: Path, code: NamedCode = NO_CODE) -> RunSpec:
         """The run of a document with the keys of :meth:`as_json`; other keys are ignored, as in a certificate.
 
         Missing keys, as in a certificate of version 0.1.0, have their defaults.
 
         :param file: named in errors; parameters count as read from it.
-        :param fmu: that the command line names.
-        :raises InputError: a value that a run cannot have, or another FMU than the one on the command line.
+        :param code: that the command line names.
+        :raises InputError: a value that a run cannot have, or other code than that of the command line.
         """
         from railhil.scenarios.memory import memory_from_json
         from railhil.scenarios.parameters import parameters_from_json
         from railhil.scenarios.run_document import RunDocument, restore_asked
         from railhil.scenarios.validation import validate
 
-        plant_fmu = check_recorded_fmu(document, file, fmu)
+        code = code.check_recorded(document, file)
         found = validate(RunDocument, restore_asked(document), lambda keys: file)
         parse_commands(found.orders, file)
         given = found.parameters
@@ -198,7 +215,7 @@ class RunSpec:
             parameters = parameters_from_json({"law": found.controller, **given}, file)
         memory = None if found.memory is None else memory_from_json(found.memory, file)
         law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms, memory)
-        return cls(
+        spec = cls(
             scenario=found.scenario,
             settings=tuple(found.settings),
             law=law,
@@ -212,8 +229,15 @@ class RunSpec:
             faults=tuple(found.faults),
             run_number=found.run_number,
             orders=tuple(found.orders),
-            plant_fmu=plant_fmu,
         )
+        return spec.with_code(code)
+
+    def with_code(self, code: NamedCode) -> RunSpec:
+        """The run with code that a command line names: its plant, and its controller instead of the law."""
+        law = self.law
+        if code.controller is not None:
+            law = LawSpec.of_given(code.controller, law.indexing, law.task_period_ms)
+        return replace(self, plant_fmu=code.plant_fmu, law=law)
 
     @classmethod
     def from_layers(cls, layers: Sequence[Layer], faults: Faults) -> RunSpec:
@@ -229,16 +253,16 @@ class RunSpec:
         return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
 
     @classmethod
-    def from_file(cls, path: str | Path, fmu: PlantFmu | None = None) -> RunSpec:
+    def from_file(cls, path: str | Path, code: NamedCode = NO_CODE) -> RunSpec:
         """The run described by a TOML file with the keys of :meth:`as_json`, or by a ``certificate.json``.
 
-        :param fmu: that the command line names.
+        :param code: that the command line names.
         :raises InputError: the file cannot be read or does not describe a possible run: all errors together.
         """
         from railhil.scenarios.run_document import file_layer
 
         faults = Faults()
-        return replace(cls.from_layers([file_layer(Path(path), faults, fmu)], faults), plant_fmu=fmu)
+        return cls.from_layers([file_layer(Path(path), faults, code)], faults).with_code(code)
 
     @property
     def is_realtime(self) -> bool:

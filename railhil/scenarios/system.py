@@ -29,6 +29,8 @@ GROUP = "railhil.systems"
 DEFAULT = "ato"
 #: Milestone numbers in RUN_EVENT that systems may use for their own events.
 OWN_EVENTS = range(32, 256)
+#: The law without a program of a system with an ``interface``.
+_GIVEN_OVER_INTERFACE = "railhil.controller_node.vector.given:GivenVectorLaw"
 #: Field of each part that had another name in version 0.1.0.
 _RENAMED = {"together": "sequence_batch"}
 
@@ -99,6 +101,9 @@ class System:
     audit: str | None = None
     #: Largest errors against float64 of quantities that its laws note, by name.
     audit_limits: str | None = None
+    #: The law whose commands are computed by code of the user, and its readings
+    #: (:class:`railhil.controller_node.given.computing.SkeletonLaw`); without it ``interface`` gives them.
+    given: str | None = None
     #: Exports its laws as C (:class:`railhil.controller_node.export.control.Control`); without it ``interface`` does.
     export: str | None = None
     #: Path of its fault catalogue; without it the catalogue of ``ato`` is used.
@@ -110,6 +115,8 @@ class System:
     picture: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:
+        if self.given is None and self.interface is not None:
+            object.__setattr__(self, "given", _GIVEN_OVER_INTERFACE)
         optional = {item.name for item in fields(self) if item.default is None} - {"truth"}
         for given, reference in (own or {}).items():
             name = _RENAMED.get(given, given)

@@ -13,7 +13,8 @@ from railhil.controller_node.arithmetic.base import INT32_MIN
 from railhil.controller_node.ato.node import mailboxes
 from railhil.controller_node.ecan import Mailbox
 from railhil.controller_node.export.headers import mailbox_header
-from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.export.text import LENGTH_MAX, Names, comment, literal
+from railhil.controller_node.program.model import identifier
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")

@@ -25,6 +25,7 @@ ATO = System(
     direct="railhil.run.coupled:direct_run",
     coupling="railhil.systems.ato.coupled:couple",
     audit="railhil.systems.ato.standstill:look",
+    given="railhil.controller_node.ato.given:GivenNotchLaw",
     export="railhil.controller_node.ato.export:NotchControl",
     picture="railhil.systems.ato.panels:draw",
     truth=Truth(

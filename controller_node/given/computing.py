@@ -1,0 +1,150 @@
+"""The seam between the node of a system and code of the user: named readings in units in, named commands out."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.program.model import name_leaves
+from railhil.controller_node.program.tracer import Tracer
+from railhil.scenarios.given import GivenController
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+
+
+class Quantity(NamedTuple):
+    """A reading, or a command, in its unit.
+
+    A reading is a leaf of a law's inputs and state (``in.speed``, ``state.sent[0]``) times a factor.
+    """
+
+    name: str
+    unit: str
+    leaf: str = ""
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """What a controller is given, and what it has to answer, in each control period."""
+
+    readings: tuple[Quantity, ...]
+    commands: tuple[Quantity, ...]
+    period_s: float
+
+    def as_json(self) -> dict[str, Any]:
+        """For the worker."""
+        return {
+            "readings": [list(one[:2]) for one in self.readings],
+            "commands": [list(one[:2]) for one in self.commands],
+            "period_s": self.period_s,
+        }
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> Terms:
+        """As :meth:`as_json` gives it, without the leaves."""
+        readings, commands = (tuple(Quantity(*one) for one in document[key]) for key in ("readings", "commands"))
+        return cls(readings, commands, document["period_s"])
+
+
+class Computer(Protocol):
+    """Code of the user, at the start of a run."""
+
+    def compute(self, readings: Sequence[float]) -> Sequence[float]:
+        """One control period: values of the readings in, values of the commands out, in the order of the terms.
+
+        :raises InputError: it fails, or its answer is no finite number for each command.
+        """
+
+    def close(self) -> None:
+        """End what computes outside of this process."""
+
+
+@dataclass(frozen=True, slots=True)
+class NoParameters:
+    """Parameters of a law that has none."""
+
+
+class SkeletonLaw:
+    """Part of the laws of a system that have no program: code of the user computes their commands.
+
+    Recorded for an export, such a law has inputs, a state with the commands really sent, and 0 as each command.
+    """
+
+    _computer: Computer | None = None
+
+    def begin(self, computer: Computer) -> None:
+        """Have the commands computed by it."""
+        self._computer = computer
+
+    def ask(self, arithmetic: Any, terms: Terms, state: Any, inputs: Any) -> Sequence[float] | None:
+        """Commands in their units; None where the law is only recorded.
+
+        :raises InputError: as :meth:`Computer.compute`, or nothing computes the commands.
+        """
+        if isinstance(arithmetic, Tracer):
+            return None
+        if self._computer is None:
+            raise InputError("controller", "given", Words("no code of the user"), "a run through the nodes")
+        leaves = {**dict(name_leaves(inputs, "in")), **dict(name_leaves(state, "state"))}
+        return self._computer.compute([float(leaves[one.leaf]) * one.factor for one in terms.readings])
+
+
+class ComputingController(GivenController):
+    """A controller that computes in units, once in a control period, within the node of the system."""
+
+    @abstractmethod
+    def start(self, terms: Terms, patience_s: float) -> Computer:
+        """The code at the start of a run.
+
+        :param patience_s: wall time for one answer.
+        :raises InputError: it cannot be loaded, or does not take these readings.
+        """
+
+    def make_node(self, scenario: AnyScenario, run: RunSpec, *, fd: bool, bit_rate: int | None) -> Any:
+        """The node of the system, with this code in the place of the law."""
+        part = scenario.installed_system.part("controller")
+        controller = part.computes(scenario, run.law)
+        # The bus administrator must not lose patience first.
+        computer = self.start(controller.law.terms, run.patience_s / 2)
+        controller.law.begin(computer)
+        node = part(scenario, run.law, controller, fd=fd, bit_rate=bit_rate)
+        node.ends = computer.close
+        return node
+
+
+def checked_answer(source: str, terms: Terms, answer: Any) -> list[float]:
+    """The values of an answer, in the order of the commands.
+
+    :param answer: a mapping by name, a sequence in that order, or for a single command its number.
+    :raises InputError: it is none of these, or not finite.
+    """
+    names = [one.name for one in terms.commands]
+    allowed = (
+        f"a number for {', '.join(f'{one.name} ({one.unit})' if one.unit else one.name for one in terms.commands)}"
+    )
+    values: Sequence[Any]
+    if isinstance(answer, Mapping):
+        if set(answer) != set(names):
+            raise InputError(source, "answer", dict(answer), allowed)
+        values = [answer[name] for name in names]
+    elif isinstance(answer, Sequence) and not isinstance(answer, str | bytes):
+        values = answer
+    else:
+        values = [answer]
+    if len(values) != len(names):
+        raise InputError(source, "answer", answer, allowed)
+    found = []
+    for name, value in zip(names, values, strict=True):
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise InputError(source, f"answer, {name}", value, allowed) from None
+        if not math.isfinite(number):
+            raise InputError(source, f"answer, {name}", number, "a finite number")
+        found.append(number)
+    return found

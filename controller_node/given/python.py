@@ -1,0 +1,166 @@
+"""A controller in Python: a function of the readings, or an object with ``step`` and perhaps ``reset``."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import re
+import sys
+import traceback
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any, ClassVar
+
+from railhil.common.errors import InputError, Words
+from railhil.common.plug_ins import guard_plug_in
+from railhil.controller_node.given.computing import (
+    Computer,
+    ComputingController,
+    Terms,
+    checked_answer,
+)
+from railhil.controller_node.given.worker import WorkerController
+
+_SUFFIX = ".py"
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
+
+class Called:
+    """See :class:`~railhil.controller_node.given.computing.Computer`.
+
+    :param code: a function of the readings, an object with ``step``, or a class of such objects that takes no
+        arguments. ``reset`` is called first, where there is one.
+    :param source: named in errors.
+    :raises InputError: it is none of these, takes other arguments, or raises.
+    """
+
+    def __init__(self, code: Any, terms: Terms, source: str) -> None:
+        self._source, self._terms = source, terms
+        names = [one.name for one in terms.readings]
+        kind: Any = namedtuple("Reading", names)  # type: ignore[misc]
+        self._reading = kind
+        kind.__doc__ = "\n".join(f"{one.name}: {one.unit or '-'}" for one in terms.readings)
+        made = self._call(code, "start") if inspect.isclass(code) else code
+        self._step: Callable[..., Any] = getattr(made, "step", made)
+        if not callable(self._step):
+            found = Words(f"a {type(made).__name__}")
+            raise InputError(source, "", found, "a function of the reading, or an object with step")
+        try:
+            inspect.signature(self._step).bind(None)
+        except TypeError as error:
+            found = Words(f"{getattr(self._step, '__name__', 'step')}{inspect.signature(self._step)}")
+            raise InputError(source, "", found, "one argument, the reading", str(error)) from None
+        except ValueError:
+            # A function of C has no signature: its first call tells.
+            pass
+        if hasattr(made, "reset"):
+            self._call(made.reset, "reset")
+
+    def compute(self, readings: Sequence[float]) -> Sequence[float]:
+        answer = self._call(self._step, "step", self._reading(*readings))
+        return checked_answer(self._source, self._terms, answer)
+
+    def close(self) -> None:
+        """Nothing is outside of this process."""
+
+    def _call(self, function: Callable[..., Any], what: str, *arguments: Any) -> Any:
+        try:
+            with guard_plug_in():
+                return function(*arguments)
+        except Exception as error:
+            # Code of the user may raise anything.
+            raise _failure(self._source, what, error) from None
+
+
+def _failure(source: str, what: str, error: Exception) -> InputError:
+    """The line for an exception of the user's code: its last place in a file that is not railhil's."""
+    own = {__file__, traceback.__file__}
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename not in own]
+    at = f"{frames[-1].filename}:{frames[-1].lineno}" if frames else source
+    cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return InputError(at, what, Words(f"it raises {cause}"), "an answer")
+
+
+class PythonFile(WorkerController):
+    """``FILE.py:NAME``, by file."""
+
+    form: ClassVar[str] = "FILE.py:NAME"
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        file, _, self._attribute = text.rpartition(":")
+        self._file = Path(file)
+        if not _WORD.fullmatch(self._attribute):
+            raise InputError(
+                "command line", "--controller", text, f"{self.form}, with the name of a function or object"
+            )
+        self.name = re.sub(r"[^A-Za-z0-9_+-]+", "_", f"{self._file.stem}.{self._attribute}".replace(".", "-"))
+        self.arguments = [file, self._attribute]
+
+    @classmethod
+    def reads(cls, text: str) -> bool:
+        return text.rpartition(":")[0].endswith(_SUFFIX)
+
+    def files(self) -> tuple[Path, ...]:
+        return (self._file,)
+
+    @staticmethod
+    def load(arguments: Sequence[str], terms: Terms) -> Computer:
+        file, attribute = arguments
+        path = Path(file)
+        source = f"{file}:{attribute}"
+        spec = spec_from_file_location(path.stem, path)
+        assert spec is not None
+        assert spec.loader is not None
+        # A script finds its neighbours; railhil is found where it is installed.
+        sys.path.append(str(path.resolve().parent))
+        module = module_from_spec(spec)
+        sys.modules.setdefault(path.stem, module)
+        try:
+            with guard_plug_in():
+                spec.loader.exec_module(module)
+        except Exception as error:
+            raise _failure(file, "import", error) from None
+        if not hasattr(module, attribute):
+            names = sorted(name for name, value in vars(module).items() if callable(value) and name[0] != "_")
+            allowed = f"one of {', '.join(names)}" if names else "a function"
+            raise InputError(file, "", Words(f"has no {attribute}"), allowed)
+        return Called(getattr(module, attribute), terms, source)
+
+
+class PythonObject(ComputingController):
+    """A function or object of the calling program, in its process."""
+
+    form: ClassVar[str] = "a function or object of Python"
+
+    def __init__(self, code: Any) -> None:
+        self._code = code
+        kind = code if inspect.isfunction(code) or inspect.isclass(code) else type(code)
+        called = getattr(kind, "__name__", "controller")
+        super().__init__(called)
+        self.name = re.sub(r"[^A-Za-z0-9_+-]+", "_", called).strip("_") or "controller"
+
+    @classmethod
+    def reads(cls, text: str) -> bool:
+        return False
+
+    def files(self) -> tuple[Path, ...]:
+        """Its source file, where it has one that can still be read."""
+        try:
+            path = Path(
+                inspect.getfile(inspect.unwrap(self._code) if inspect.isfunction(self._code) else type(self._code))
+            )
+        except (TypeError, OSError):
+            return ()
+        return (path,) if path.is_file() else ()
+
+    @property
+    def digest(self) -> str:
+        """Of its file; without one, of its name alone."""
+        files = self.hashes()
+        return hashlib.sha256("\n".join((self.name, *files.values())).encode()).hexdigest()
+
+    def start(self, terms: Terms, patience_s: float) -> Computer:
+        return Called(self._code, terms, self.name)

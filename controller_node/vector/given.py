@@ -1,0 +1,55 @@
+"""The law of a system with an ``Interface`` whose commands are computed by code of the user."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.given.computing import NoParameters, Quantity, SkeletonLaw, Terms
+from railhil.controller_node.program.model import identifier
+from railhil.controller_node.vector.law import Answer, Interface, VectorLaw
+from railhil.scenarios.model import AnyScenario
+
+
+class GivenVectorLaw(SkeletonLaw, VectorLaw[T, tuple[Any, ...]]):
+    """See :class:`~railhil.controller_node.given.computing.SkeletonLaw`."""
+
+    name: ClassVar[str] = "given"
+    floating: ClassVar[bool] = True
+    parameters_type: ClassVar[type[Any]] = NoParameters
+    parameters_origin: ClassVar[str] = "those of a given controller"
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: AnyScenario, parameters: Any = None) -> None:
+        self._arithmetic = arithmetic
+        interface: Interface = scenario.installed_system.part("interface")
+        self.terms = Terms(
+            (
+                *(Quantity(identifier(one.name), one.unit, f"in[{n}]") for n, one in enumerate(interface.readings)),
+                *(
+                    Quantity(f"sent_{identifier(one.name)}", one.unit, f"state[{n}]")
+                    for n, one in enumerate(interface.commands)
+                ),
+            ),
+            tuple(Quantity(identifier(one.name), one.unit) for one in interface.commands),
+            scenario.timing.control_period_ns / 1e9,
+        )
+        self._zeros = tuple(
+            arithmetic.const(Constant("zero", 0.0, one.law_q, "skeleton")) for one in interface.commands
+        )
+        self._notes = tuple(arithmetic.const(Constant("zero", 0.0, one.law_q, "skeleton")) for one in interface.notes)
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return ()
+
+    def start(self, readings: Sequence[T]) -> tuple[Any, ...]:
+        return self._zeros
+
+    def step(self, state: tuple[Any, ...], readings: Sequence[T]) -> tuple[tuple[Any, ...], Answer[T]]:
+        asked: Any = self.ask(self._arithmetic, self.terms, state, tuple(readings))
+        commands = self._zeros if asked is None else tuple(asked)
+        return commands, Answer(commands, self._notes)
+
+    def with_sent(self, state: tuple[Any, ...], commands: Sequence[T]) -> tuple[Any, ...]:
+        return tuple(commands)
