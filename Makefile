@@ -82,7 +82,7 @@ test-real-time: $(VENV)/.installed-dev
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian).
 test-vcan test-vcan-first test-vcan-second: $(VENV)/.installed-dev
-	@$(PART) $(BEHIND) --tool can-utils --tool compilers "kernel SocketCAN$(HALF)" $(BIN)/python -m hil_tests.transport.vcan $(VCAN)
+	@$(PART) $(BEHIND) --tool can-utils --tool compilers --tool emulation "kernel SocketCAN$(HALF)" $(BIN)/python -m hil_tests.transport.vcan $(VCAN)
 
 test-vcan-first: HALF = , first half
 test-vcan-first: VCAN = -k "$(VCAN_FIRST)"

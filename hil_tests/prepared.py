@@ -51,6 +51,7 @@ def machines() -> None:
         signal.signal(number, lambda received, _: sys.exit(128 + received))
     steps: list[Callable[[], object]] = [
         tools.install_compilers,
+        tools.install_emulation,
         tools.install_browser,
         lambda: docker_vm.build_image(ROOT),
         tools.install_can_tools,

@@ -62,7 +62,7 @@ class BoardTable(BaseModel):
     """``board.toml``.
 
     :param link: ``pipe``: frames by two streams (railhil_pipe.h); ``can``: by the registers of its CAN controller.
-    :param emulator: its arguments may contain the places ``{image}`` and those that the link fills.
+    :param emulator: its arguments may contain the places ``{image}`` and, with CAN, ``{can}``: the interface.
     :param compiler: with the arguments of every compilation.
     :param sources: C files, relative to the board's folder.
     :param log_arguments: of the compiler, for a program with the C library's files; empty: it has none.

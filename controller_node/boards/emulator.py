@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import median_low
 from typing import IO, Any, NamedTuple
@@ -13,11 +14,15 @@ from weakref import finalize
 from railhil.bus.frame import Frame
 from railhil.common.errors import Words
 from railhil.controller_node.boards import Board, Image, figures_of
+from railhil.controller_node.boards.can_bus import CanExchange, PrivateBus
 from railhil.controller_node.pipe import ControllerFailed, Pipe
+from railhil.dbc import Contract
 
 #: The kernel ends the emulator with its parent thread, also if this process is killed.
 _WITH_PARENT = ("setpriv", "--pdeathsig", "KILL")
 _QUIET = ("-display", "none", "-monitor", "none")
+#: No sound of the host's.
+_ENVIRONMENT = {"QEMU_AUDIO_DRV": "none"}
 _OUTPUT_OCTETS_MAX = 4000
 _END_S = 10.0
 
@@ -34,17 +39,20 @@ class Emulator:
     """One emulated board. It has the power on from :meth:`start` to :meth:`stop`.
 
     :param patience_s: wall time for one answer.
-    :param places: values of the places in the emulator's arguments, besides ``{image}``.
+    :param contract: of the bus, for a board with CAN; its arguments have the place ``{can}`` for the interface.
     """
 
-    def __init__(self, board: Board, image: Image, patience_s: float, places: Mapping[str, str] | None = None) -> None:
+    def __init__(self, board: Board, image: Image, patience_s: float, contract: Contract | None = None) -> None:
         self.board, self.image = board, image
         self._patience_s = patience_s
-        self._places = {"image": image.file, **(places or {})}
+        self._contract = contract
+        self._places = {"image": image.file}
         self._program = board.table.emulator.path(f"board {board.name}")
         self._process: subprocess.Popen[bytes] | None = None
         self._output: IO[bytes] | None = None
         self._pipe: Pipe | None = None
+        self._bus: PrivateBus | None = None
+        self._can: CanExchange | None = None
         self._ticks: list[int] = []
         self._free_stack = 0
         #: Lines of the console, also from before a reset.
@@ -87,34 +95,55 @@ class Emulator:
         return done.stdout.decode("utf-8", "replace")
 
     def start(self) -> None:
-        """Switch it on."""
-        self._output = tempfile.TemporaryFile()  # noqa: SIM115
+        """Switch it on.
+
+        :raises InputError: there is no CAN bus for a board with CAN.
+        """
         has_pipe = self.board.table.link == "pipe"
-        streams = subprocess.PIPE if has_pipe else subprocess.DEVNULL
+        if not has_pipe:
+            self._bus = PrivateBus(self.board.name)
+            self._places["can"] = self._bus.interface
+        self._output = tempfile.TemporaryFile()  # noqa: SIM115
         self._process = process = subprocess.Popen(
-            [*_WITH_PARENT, *self.command], stdin=streams, stdout=streams, stderr=self._output, bufsize=0
+            [*_WITH_PARENT, *self.command],
+            stdin=subprocess.PIPE if has_pipe else subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=self._output,
+            bufsize=0,
+            env={**os.environ, **_ENVIRONMENT},
         )
         self._finalizer = finalize(self, _end, process)
-        if process.stdin is not None and process.stdout is not None:
+        assert process.stdout is not None
+        if process.stdin is not None:
             name = f"board {self.board.name}"
             self._pipe = Pipe(name, process.stdout.fileno(), process.stdin.fileno(), self._patience_s)
+        elif self._bus is not None:
+            assert self._contract is not None
+            self._can = CanExchange(
+                self._bus, process.stdout, self._patience_s, contract=self._contract, note_period=self._note
+            )
 
     def exchange(self, frames: Sequence[Frame]) -> list[Frame]:
-        """Send frames to a board with a pipe; returns its answers.
+        """Send frames to the board; returns its answers.
 
         :raises ControllerFailed: see there; the board is then without power, and its console tells more.
         """
-        assert self._pipe is not None
         try:
+            if self._can is not None:
+                return self._can.exchange(frames)
+            assert self._pipe is not None
             answer = self._pipe.exchange(frames)
         except ControllerFailed:
             self.stop()
             raise
-        if answer.ticks:
-            self._ticks.append(answer.ticks)
-        if answer.free_stack:
-            self._free_stack = min(answer.free_stack, self._free_stack or answer.free_stack)
+        self._note(answer.ticks, answer.free_stack)
         return answer.frames
+
+    def _note(self, ticks: int, free_stack: int) -> None:
+        if ticks:
+            self._ticks.append(ticks)
+        if free_stack:
+            self._free_stack = min(free_stack, self._free_stack or free_stack)
 
     def reset(self) -> None:
         """The reset line, held until the board is without power: all of its memory begins anew."""
@@ -125,14 +154,21 @@ class Emulator:
         """Switch it off; what it said is in :attr:`console`."""
         if self._process is None or self._output is None:
             return
-        self._finalizer()
+        self._process.kill()
+        self._process.wait(_END_S)
         if self._pipe is not None:
             self.console += self._pipe.console
+        if self._can is not None:
+            self._can.close()
+            self.console += self._can.console
+        self._finalizer()
+        if self._bus is not None:
+            self._bus.close()
         self._output.seek(0)
         said = self._output.read(_OUTPUT_OCTETS_MAX).decode("utf-8", "replace")
         self.console += [line for line in said.splitlines() if line.strip()]
         self._output.close()
-        self._process = self._output = self._pipe = None
+        self._process = self._output = self._pipe = self._bus = self._can = None
 
     def figures(self) -> dict[str, Any]:
         """Board, image and emulator, and what was measured: instructions of a control period (None: not counted), and

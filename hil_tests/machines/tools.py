@@ -14,7 +14,12 @@ from railhil.machines import debian
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 #: Programs that build for emulated boards and run them, and the packages that have them.
-EMULATION = {"qemu-system-arm": "qemu-system-arm", "arm-none-eabi-gcc": "gcc-arm-none-eabi"}
+EMULATION = {
+    "qemu-system-arm": "qemu-system-arm",
+    "qemu-system-aarch64": "qemu-system-arm",
+    "arm-none-eabi-gcc": "gcc-arm-none-eabi",
+    "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu",
+}
 
 
 def _install_missing(packages: Mapping[str, str], purpose: str) -> None:
@@ -50,12 +55,12 @@ def install_compilers() -> None:
 
 
 def install_emulation() -> None:
-    """Ensure that QEMU for Arm and gcc for Cortex-M are installed, with its C library.
+    """Ensure that QEMU for Arm and gcc for Cortex-M and Cortex-A are installed, with their C libraries.
 
     Raises:
         CapabilityError: they are missing and cannot be had.
     """
-    packages = {*EMULATION.values(), "libnewlib-arm-none-eabi"}
+    packages = {*EMULATION.values(), "libnewlib-arm-none-eabi", "libc6-dev-arm64-cross"}
     if not all(debian.find_command(command) for command in EMULATION):
         debian.require_debian_root("emulated boards")
         debian.install_packages(packages, "emulated boards")
