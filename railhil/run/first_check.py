@@ -1,7 +1,7 @@
 """The first check of a controller on a bus: handshake and some polls, as the bus administrator of a run makes them.
 
-The plant of the scenario publishes its telegrams and never gets a command, so the train stands. Nothing is recorded or
-scored; each answer is looked at, frame by frame.
+The plant of the scenario publishes its telegrams and never gets a command, so a train that begins at rest stands.
+Nothing is recorded or scored; each answer is looked at, frame by frame.
 """
 
 from __future__ import annotations
@@ -295,7 +295,7 @@ class FirstCheck:
         self._pacer.wait(self._plant.tick * self._tick_ns)
 
     def report(self, event: Happened) -> None:
-        """A telegram of the plant's own; a train that stands has no milestones."""
+        """A telegram of the plant's own; milestones are not reported."""
         telegram: Telegram | None = self._plant.telegram_of(event)
         if telegram is not None:
             self.publish(telegram)

@@ -35,9 +35,10 @@ def checked(
     delay_ns: int = _ANSWER_NS,
     pace: str = "lockstep",
     sent_before: tuple[Frame, ...] = (),
+    fd: bool = False,
 ) -> Checked:
     """A check of our own node, whose answers that begin with the identifier ``changed`` are changed."""
-    node = ControllerNode(scenario, LawSpec())
+    node = ControllerNode(scenario, LawSpec(), fd=fd)
     wall, count = SetClock(), 0
 
     def answer(frame: Frame) -> list[tuple[int, Frame]]:
@@ -52,7 +53,7 @@ def checked(
     endpoint = FakeEndpoint(wall, answer)
     endpoint.pending = [(1000, frame) for frame in sent_before]
     run = RunSpec(str(scenario.name), pace=pace, patience_s=1.0)
-    return FirstCheck(endpoint, scenario, run, appear_s=1.0, wall=wall).check()
+    return FirstCheck(endpoint, scenario, run, fd=fd, appear_s=1.0, wall=wall).check()
 
 
 def test_a_good_controller_passes_and_is_understood(run_2m: Scenario) -> None:
@@ -145,6 +146,18 @@ def test_each_fault_is_one_line(run_2m: Scenario, changed: int, change: Change, 
     assert len(found.faults) == 1, found.faults
     assert [words for words in expected if words not in found.faults[0]] == [], found.faults
     assert found.exit_code == FAIL
+
+
+def test_the_form_of_can_fd_is_checked_as_well(run_2m: Scenario) -> None:
+    assert checked(run_2m, fd=True).faults == []
+    notch, stat = NotchCmd.port().fd_id, CtlStat.port().fd_id
+    inverted = octets(17, lambda data: bytes([data[17] ^ 0xFF]))
+    (line,) = checked(run_2m, stat, inverted, fd=True).faults
+    assert line.startswith("CTL_STAT: check sequence of block 2 ")
+    assert line.endswith(" (not inverted) (2 times)")
+    classic: Change = lambda frames, number: [Frame(notch, frames[0].data)]  # noqa: E731
+    (line,) = checked(run_2m, notch, classic, fd=True).faults
+    assert line == "NOTCH_CMD: frame 115 is a classic frame, right a CAN FD frame (10 times)"
 
 
 def test_a_late_answer_is_a_fault_in_real_time_only(run_2m: Scenario) -> None:
