@@ -48,15 +48,22 @@ def test_foreign_controller_sends_the_same_frames_on_vcan(
     assert len(set(reference.commands("notch"))) > 10
 
 
-def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(move: Scenario, tmp_path: Path) -> None:
-    """The Python controller of docs/wire.md. It is tuned for the published run; here only its frames are compared."""
-    example, dbc = ROOT / "docs/examples/wire/controller.py", ROOT / "dbc/railhil.dbc"
+@pytest.mark.parametrize("language", ["Python", "C"])
+def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(
+    move: Scenario, language: str, tmp_path: Path
+) -> None:
+    """The controllers of docs/wire.md. They are tuned for the published run; here only their frames are compared."""
+    examples, dbc, program = ROOT / "docs/examples/wire", str(ROOT / "dbc/railhil.dbc"), str(tmp_path / "controller")
+    if language == "C":
+        subprocess.run(["gcc", "-std=gnu99", "-o", program, str(examples / "controller.c"), "-lm"], check=True)
     hashes = set()
     with running_hub() as hub:
         for config in (socketcan(), {"interface": "railhil", "channel": hub.channel}):
             folder = tmp_path / config["interface"]
             folder.mkdir()
-            command = [sys.executable, str(example), config["interface"], config["channel"], str(dbc)]
+            command = [program, {"socketcan": "can", "railhil": "hub"}[config["interface"]], config["channel"]]
+            if language == "Python":
+                command = [sys.executable, str(examples / "controller.py"), *config.values(), dbc]
             result, exit_codes = run_on(config, move, folder, controller_command=command)
             assert (result.trusted, exit_codes) == (True, [0, 0]), (folder / "controller.txt").read_text()
             hashes.add(result.frames_sha256)
