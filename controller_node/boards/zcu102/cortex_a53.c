@@ -12,6 +12,9 @@ extern uint32_t stack_bottom[], stack_top[];
 
 int main(void);
 
+/* errno of the C library's math functions. */
+static uint64_t thread_storage[8] __attribute__((used));
+
 /* In assembler because nothing may be on the stack yet, and before the data are copied. */
 __asm__(".section .start, \"ax\"\n"
         ".global _start\n"
@@ -42,7 +45,9 @@ __asm__(".section .start, \"ax\"\n"
         "    b.hs 5f\n"
         "    str wzr, [x0], #4\n"
         "    b 4b\n"
-        "5:  bl main\n"
+        "5:  ldr x0, =thread_storage\n"
+        "    msr tpidr_el0, x0\n"
+        "    bl main\n"
         "    bl board_stop\n"
         "    .balign 2048\n"
         "vectors:\n"
