@@ -30,7 +30,7 @@ from railhil.controller_node.export.control import (
     Word,
 )
 from railhil.controller_node.export.text import wide
-from railhil.controller_node.laws import load
+from railhil.controller_node.laws import law_class
 from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
@@ -151,7 +151,7 @@ class NotchControl(Control):
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
         self.programs = record(scenario, law, wide=law.arithmetic == "float32")
-        notes = load(law.controller).notes
+        self._notes = notes = law_class(law, scenario).notes
         self.formats = {"out.notch_raw": NOTCH_RAW_Q, "out.notch": NOTCH_Q}
         self.formats |= {f"out.notes[{i}]": note.q for i, note in enumerate(notes)}
         first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
@@ -189,7 +189,7 @@ class NotchControl(Control):
         return "0.1 mm" if leaf.endswith("_01mm") else ""
 
     def macros(self) -> list[Macro]:
-        notes = load(self.programs.law).notes
+        notes = self._notes
         found = slots(notes)
 
         def macro(signal: str, number: int) -> Macro:

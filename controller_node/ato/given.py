@@ -63,11 +63,8 @@ class GivenNotchLaw(SkeletonLaw, Law[T, Sent]):
         return Sent(self._zero)
 
     def step(self, state: Sent, inputs: LawInputs[T]) -> tuple[Sent, LawOutputs[T]]:
-        asked = self.ask(self._arithmetic, self.terms, state, inputs)
-        if asked is None:
-            return Sent(self._zero), LawOutputs(self._zero, self._zero)
-        raw: Any = asked[0]
         ar = self._arithmetic
+        raw: Any = self.ask(ar, self.terms, state, inputs)[0]
         notch = ar.quantise(ar.clip(raw, *self._limits), NOTCH_RAW_Q, NOTCH_Q)
         return Sent(notch), LawOutputs(raw, notch)
 

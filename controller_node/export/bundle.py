@@ -22,7 +22,7 @@ from railhil.controller_node.export.reference import reference_log
 from railhil.controller_node.export.source import BODIES, SourceWriter
 from railhil.controller_node.export.text import SHARED, names_defined, names_of_files, template
 from railhil.controller_node.law_loop import refuse_solver
-from railhil.controller_node.laws import find
+from railhil.controller_node.laws import law_class
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -59,7 +59,7 @@ def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     if law.arithmetic not in kind.arithmetics:
         allowed = f"{' or '.join(kind.arithmetics)} for a law of system {system.name}"
         raise InputError("command line", "--arithmetic", law.arithmetic, allowed)
-    refuse_solver(law.controller, find(law.controller, system.laws), make(law.arithmetic))
+    refuse_solver(law.controller, law_class(law, scenario), make(law.arithmetic))
     return kind(scenario, law)
 
 
@@ -82,7 +82,12 @@ def _host_program(name: str, control: Control) -> str:
     )
 
 
-def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
+def node_files(name: str, control: Control, source: Source, program: str) -> dict[str, str]:
+    """The controller around a law, and its program for the host.
+
+    :param name: of the law in C.
+    :param program: name of the program.
+    """
     received, sent = control.ports()
     table = mailbox_table(control.contract, received, sent)
     mailboxes, filters = mailbox_header(name, table), filters_header(name, table)
@@ -104,7 +109,7 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
         f"{name}_node.h": node,
         **{file: template(file, name, **shared) for file in (*_HEADERS, *_SOURCES)},
         **{file: template(file, name, control.folder, **places) for file in own},
-        **{file: template(file, name) for file in _PROGRAM},
+        **{file: template(file, name, PROGRAM=program) for file in _PROGRAM},
     }
 
 
@@ -132,7 +137,7 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
         f"{name}.c": source.source,
         f"{name}.h": source.header,
         body.header: template(body.header, name, NAMES=names_of_iqmath()),
-        **_node_files(name, control, source),
+        **node_files(name, control, source, f"{name}_node"),
         f"{name}_log.txt": reference_log(control, source.columns, play),
         "railhil_result.h": template("railhil_result.h", name),
         "railhil_run.c": _host_program(name, control),
@@ -144,6 +149,14 @@ def _files(control: Control, source: Source, play: Play | None) -> dict[str, str
             LIBRARIES=body.libraries,
             NODE_C=" ".join(dict.fromkeys((*control.sources, *_SOURCES))),
             NODE_H=" ".join(dict.fromkeys((*control.headers, *_HEADERS))),
+        ),
+        "controller.toml": template(
+            "controller.toml",
+            name,
+            NAME=control.law.controller,
+            SYSTEM=control.scenario.system,
+            ARITHMETIC=control.law.arithmetic,
+            LABEL=control.law.label,
         ),
         "README.md": memory_note(control, source),
     }

@@ -59,6 +59,7 @@ def memory_note(control: Control, source: Source) -> str:
             "| `railhil_node.c`, `railhil_socket.c`, `.h`, `railhil_slcan.c` | host program: SocketCAN, hub, slcan |",
             "| `railhil_pipe.c`, `.h` | frames by two streams of octets: `pipe`, boards without CAN |",
             "| `railhil_run.c`, `railhil_result.h`, `Makefile` | host program for the log, and its build |",
+            "| `controller.toml` | for `railhil run --controller ./`, which runs this C as the controller |",
             "",
             f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",
             "`make check` compiles and recomputes the log, `make ubsan` does so with the undefined behaviour",

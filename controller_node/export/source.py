@@ -265,8 +265,18 @@ class SourceWriter:
 
         return {word.name: place(word) for word in words}
 
-    def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
-        """A function of the law; its values share variables if they would need too much of the stack otherwise."""
+    def _function(
+        self,
+        name: str,
+        program: Program,
+        places: dict[str, str],
+        into: Sequence[Struct],
+        opening: Sequence[str] = (),
+    ) -> list[str]:
+        """A function of the law; its values share variables if they would need too much of the stack otherwise.
+
+        :param opening: lines before its first operation.
+        """
         signature = self._signatures()[name]
         parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
@@ -277,13 +287,13 @@ class SourceWriter:
             if frame <= _FRAME_WORDS:
                 break
         self._stack[f"{self._law}_{name}"] = frame
-        lines = [*body.lines, *writes]
+        lines = [*opening, *body.lines, *writes]
         text = "\n".join(lines)
         if "events" not in parameters and _uses(text, "events"):
             raise ValueError(f"{name} of the law counts saturations or divisions by zero: clip limits without counting")
         unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
-        opening = f"void {self._law}_{name}({', '.join(signature)})"
-        return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
+        head = f"void {self._law}_{name}({', '.join(signature)})"
+        return [head, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
 
 
 def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.program.model import name_leaves
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.given import GivenController
@@ -35,6 +37,12 @@ class Terms:
     readings: tuple[Quantity, ...]
     commands: tuple[Quantity, ...]
     period_s: float
+
+    @property
+    def interface(self) -> str:
+        """Identity of the readings and commands, in compiled code that is made for them."""
+        lines = [f"{one.name} {one.unit}" for one in (*self.readings, *self.commands)]
+        return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
 
     def as_json(self) -> dict[str, Any]:
         """For the worker."""
@@ -64,6 +72,11 @@ class Computer(Protocol):
         """End what computes outside of this process."""
 
 
+def asked_name(command: Quantity) -> str:
+    """Name of a command in the recorded program of a law without one."""
+    return f"asked.{command.name}"
+
+
 @dataclass(frozen=True, slots=True)
 class NoParameters:
     """Parameters of a law that has none."""
@@ -72,7 +85,8 @@ class NoParameters:
 class SkeletonLaw:
     """Part of the laws of a system that have no program: code of the user computes their commands.
 
-    Recorded for an export, such a law has inputs, a state with the commands really sent, and 0 as each command.
+    Recorded for an export, such a law has inputs, a state with the commands really sent, and the limits and rounding of
+    the commands.
     """
 
     _computer: Computer | None = None
@@ -81,17 +95,19 @@ class SkeletonLaw:
         """Have the commands computed by it."""
         self._computer = computer
 
-    def ask(self, arithmetic: Any, terms: Terms, state: Any, inputs: Any) -> Sequence[float] | None:
-        """Commands in their units; None where the law is only recorded.
+    def ask(self, arithmetic: Any, terms: Terms, state: Any, inputs: Any) -> Sequence[Any]:
+        """Commands in their units; where the law is recorded, inputs of its program (:func:`asked_name`).
 
         :raises InputError: as :meth:`Computer.compute`, or nothing computes the commands.
         """
         if isinstance(arithmetic, Tracer):
-            return None
+            return [arithmetic.input(asked_name(one), None) for one in terms.commands]
         if self._computer is None:
             raise InputError("controller", "given", Words("no code of the user"), "a run through the nodes")
         leaves = {**dict(name_leaves(inputs, "in")), **dict(name_leaves(state, "state"))}
-        return self._computer.compute([float(leaves[one.leaf]) * one.factor for one in terms.readings])
+        factors = [arithmetic.const(Constant(one.name, one.factor, 0)) for one in terms.readings]
+        readings = zip(terms.readings, factors, strict=True)
+        return self._computer.compute([float(arithmetic.mpy(leaves[one.leaf], factor, 0)) for one, factor in readings])
 
 
 class ComputingController(GivenController):

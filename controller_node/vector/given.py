@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.given.computing import NoParameters, Quantity, SkeletonLaw, Terms
@@ -12,7 +12,13 @@ from railhil.controller_node.vector.law import Answer, Interface, VectorLaw
 from railhil.scenarios.model import AnyScenario
 
 
-class GivenVectorLaw(SkeletonLaw, VectorLaw[T, tuple[Any, ...]]):
+class Sent(NamedTuple):
+    """State: the commands that were really sent last."""
+
+    commands: tuple[Any, ...]
+
+
+class GivenVectorLaw(SkeletonLaw, VectorLaw[T, Sent]):
     """See :class:`~railhil.controller_node.given.computing.SkeletonLaw`."""
 
     name: ClassVar[str] = "given"
@@ -27,7 +33,7 @@ class GivenVectorLaw(SkeletonLaw, VectorLaw[T, tuple[Any, ...]]):
             (
                 *(Quantity(identifier(one.name), one.unit, f"in[{n}]") for n, one in enumerate(interface.readings)),
                 *(
-                    Quantity(f"sent_{identifier(one.name)}", one.unit, f"state[{n}]")
+                    Quantity(f"sent_{identifier(one.name)}", one.unit, f"state.commands[{n}]")
                     for n, one in enumerate(interface.commands)
                 ),
             ),
@@ -43,13 +49,12 @@ class GivenVectorLaw(SkeletonLaw, VectorLaw[T, tuple[Any, ...]]):
     def constants(self) -> tuple[Constant, ...]:
         return ()
 
-    def start(self, readings: Sequence[T]) -> tuple[Any, ...]:
-        return self._zeros
+    def start(self, readings: Sequence[T]) -> Sent:
+        return Sent(self._zeros)
 
-    def step(self, state: tuple[Any, ...], readings: Sequence[T]) -> tuple[tuple[Any, ...], Answer[T]]:
-        asked: Any = self.ask(self._arithmetic, self.terms, state, tuple(readings))
-        commands = self._zeros if asked is None else tuple(asked)
-        return commands, Answer(commands, self._notes)
+    def step(self, state: Sent, readings: Sequence[T]) -> tuple[Sent, Answer[T]]:
+        commands = tuple(self.ask(self._arithmetic, self.terms, state, tuple(readings)))
+        return Sent(commands), Answer(commands, self._notes)
 
-    def with_sent(self, state: tuple[Any, ...], commands: Sequence[T]) -> tuple[Any, ...]:
-        return tuple(commands)
+    def with_sent(self, state: Sent, commands: Sequence[T]) -> Sent:
+        return Sent(tuple(commands))

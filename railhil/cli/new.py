@@ -1,4 +1,4 @@
-"""``railhil new law|scenario|system NAME``: writes starting files that run at once."""
+"""``railhil new law|scenario|system|c-controller NAME``: writes starting files that run at once."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -71,6 +72,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     system = kinds.add_parser("system", help="another kind of train and task, as a small distribution")
     _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
     system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
+    controller = kinds.add_parser("c-controller", help="a controller in C or C++, as a folder that make builds")
+    _add(controller, "the new controller", "DIR", "folder for its files (default: NAME)", _new_controller)
+    controller.add_argument(
+        "--scenario", metavar="SCENARIO", default=USUAL_SCENARIO, help="shipped name or TOML file: its system and times"
+    )
 
 
 def _add(
@@ -94,6 +100,19 @@ def _new_system(namespace: argparse.Namespace) -> int:
     _check_not_taken("NAME", namespace.name, "system", system_names())
     _check_name("--law", namespace.its_law)
     return _distribution(namespace, "system", namespace.its_law)
+
+
+def _new_controller(namespace: argparse.Namespace) -> int:
+    # Only this command needs the controller's side of the bench.
+    from railhil.cli.new_controller import controller_files
+
+    name, folder = namespace.name, namespace.out or Path(namespace.name)
+    _check_name("NAME", name)
+    files = {folder / path: text for path, text in controller_files(name, namespace.scenario).items()}
+    _write(files)
+    shown = quote(f"{folder}/")
+    commands = [f"railhil run {quote(namespace.scenario)} --controller {shown}", f"make -C {shown} check"]
+    return _say(namespace, folder, list(files), commands)
 
 
 def _new_scenario(namespace: argparse.Namespace) -> int:

@@ -1,6 +1,12 @@
 /* The last words of a board after a fault of its processor. */
 #include "railhil_board.h"
 
+void railhil_fail(const char *line)
+{
+    board_last_words(line);
+    board_stop();
+}
+
 enum { WHAT_MAX = 64, DIGITS = 8 };
 
 void board_fault(const char *what, uint32_t address)

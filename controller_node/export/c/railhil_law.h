@@ -31,6 +31,9 @@ typedef struct {
 
 void railhil_law_init(railhil_law_t *law);
 
+/* Code of a user in the place of a law calls it when it cannot go on; the program or board ends here. */
+void railhil_fail(const char *line);
+
 /* Runs the law if its next control period has begun. commands: those to send now, the law's or the guard's, which the
  * law is then told. */
 void railhil_law_command(railhil_law_t *law, const railhil_clock_t *clock, int32_t *commands, uint32_t *counts);

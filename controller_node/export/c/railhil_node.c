@@ -1,9 +1,9 @@
 /* The exported law as a stand-alone controller, on the bus or at the end of two streams. For the host (Linux).
  *
- *   @LAW@_node [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
- *   @LAW@_node [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
- *   @LAW@_node [-w S] [-p S] slcan DEVICE    serial line of an adapter, e.g. /dev/ttyACM0
- *   @LAW@_node pipe                          records of railhil_pipe.h on standard input and output
+ *   @PROGRAM@ [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
+ *   @PROGRAM@ [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
+ *   @PROGRAM@ [-w S] [-p S] slcan DEVICE    serial line of an adapter, e.g. /dev/ttyACM0
+ *   @PROGRAM@ pipe                          records of railhil_pipe.h on standard input and output
  *
  *   -w S   seconds to wait for the first frame of the bench (default 300)
  *   -p S   patience in lockstep: the program ends when the bench has been silent for S seconds (default 62: the plant
@@ -14,9 +14,11 @@
  */
 #define _POSIX_C_SOURCE 200809L
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include "railhil_pipe.h"
@@ -30,7 +32,7 @@ static void say_how_it_went(const railhil_bus_t *bus, const railhil_control_t *c
 {
     unsigned i;
     const unsigned long steps = control->law.steps;
-    fprintf(stderr, "@LAW@_node: %s: %lu control periods, run event %d", bus->channel, steps, control->ended);
+    fprintf(stderr, "@PROGRAM@: %s: %lu control periods, run event %d", bus->channel, steps, control->ended);
     for (i = RAILHIL_WRONG_LENGTH; i < RAILHIL_COUNTS; i++) {
         if (control->counts[i] != 0) {
             fprintf(stderr, ", %lu %s", (unsigned long)control->counts[i], railhil_count_name(i));
@@ -70,7 +72,7 @@ static int serve(railhil_bus_t *bus, railhil_control_t *control, long first_fram
             heard_ms = railhil_now_ms();
             limit_s = control->rate_10th == 0 ? patience_s : SILENCE_S;
         } else if (railhil_now_ms() - heard_ms > limit_s * (int64_t)1000) {
-            fprintf(stderr, "@LAW@_node: %s: waits for the bus administrator (plant): ", bus->channel);
+            fprintf(stderr, "@PROGRAM@: %s: waits for the bus administrator (plant): ", bus->channel);
             fprintf(stderr, "no frame of the bench for %ld s\n", limit_s);
             return EXIT_LOST;
         }
@@ -95,6 +97,27 @@ static long seconds(const char *text)
     return end == text || *end != '\0' || found < 1 || found > WAIT_MAX_S ? 0 : found;
 }
 
+/* Where the answers of the pipe go; -1: there is none. */
+static int answers = -1;
+
+/* What the code of a user prints must not stand among the answers. */
+static void open_pipe(void)
+{
+    answers = dup(STDOUT_FILENO);
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+}
+
+void railhil_fail(const char *line)
+{
+    if (answers >= 0) {
+        railhil_pipe_failure(line);
+    } else {
+        fprintf(stderr, "@PROGRAM@: %s\n", line);
+    }
+    exit(EXIT_USAGE);
+}
+
 size_t board_read(unsigned char *octets, size_t most)
 {
     const ssize_t size = read(STDIN_FILENO, octets, most);
@@ -104,7 +127,7 @@ size_t board_read(unsigned char *octets, size_t most)
 void board_write(const unsigned char *octets, size_t count)
 {
     while (count != 0) {
-        const ssize_t size = write(STDOUT_FILENO, octets, count);
+        const ssize_t size = write(answers, octets, count);
         if (size < 0) {
             exit(EXIT_LOST);
         }
@@ -131,7 +154,7 @@ int main(int argc, char **argv)
     while ((option = getopt(argc, argv, "w:p:")) != -1) {
         const long found = option == '?' ? 0 : seconds(optarg);
         if (found == 0) {
-            fprintf(stderr, "@LAW@_node: found %s, allowed -w S, -p S with 1 to %d s\n",
+            fprintf(stderr, "@PROGRAM@: found %s, allowed -w S, -p S with 1 to %d s\n",
                     option == '?' ? argv[optind - 1] : optarg, WAIT_MAX_S);
             return EXIT_USAGE;
         }
@@ -141,11 +164,12 @@ int main(int argc, char **argv)
     argc -= optind;
     railhil_init(&control);
     if (argc == 1 && strcmp(argv[0], "pipe") == 0) {
+        open_pipe();
         return railhil_pipe_serve(&control) == 0 ? EXIT_ENDED : EXIT_USAGE;
     }
     kind = argc == 2 ? kind_of(argv[0]) : -1;
     if (kind < 0) {
-        fprintf(stderr, "@LAW@_node: found %d arguments, ", argc);
+        fprintf(stderr, "@PROGRAM@: found %d arguments, ", argc);
         fprintf(stderr, "allowed can INTERFACE, hub PATH, slcan DEVICE, or pipe\n");
         return EXIT_USAGE;
     }
@@ -154,7 +178,7 @@ int main(int argc, char **argv)
     }
     exit_code = serve(&bus, &control, first_frame_s, patience_s);
     if (exit_code == EXIT_USAGE) {
-        fprintf(stderr, "@LAW@_node: %s: the nodes do not agree on what to run; railhil run says in what\n",
+        fprintf(stderr, "@PROGRAM@: %s: the nodes do not agree on what to run; railhil run says in what\n",
                 bus.channel);
     }
     say_how_it_went(&bus, &control);

@@ -23,7 +23,7 @@ enum { FD_PACKET = 72, HELLO_MAX = 1024 };
 
 static int complain(const char *channel, const char *what, const char *why)
 {
-    fprintf(stderr, "@LAW@_node: %s: %s: %s\n", channel, what, why);
+    fprintf(stderr, "@PROGRAM@: %s: %s: %s\n", channel, what, why);
     return -1;
 }
 
@@ -118,7 +118,7 @@ static void rejoin(railhil_bus_t *bus)
 /* The first packet in each direction is a hello; a refusal contains the key "error". */
 static int say_hello(int fd, const char *path)
 {
-    static const char hello[] = "{\"railhil_hub\": 1, \"name\": \"@LAW@_node\", \"role\": \"controller\"}";
+    static const char hello[] = "{\"railhil_hub\": 1, \"name\": \"@PROGRAM@\", \"role\": \"controller\"}";
     char answer[HELLO_MAX + 1];
     const int64_t until_ms = railhil_now_ms() + HUB_START_MS;
     ssize_t size;
@@ -187,7 +187,7 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
     if (size > 0) {
         if (bus->down) {
             bus->down = 0;
-            fprintf(stderr, "@LAW@_node: %s is back\n", bus->channel);
+            fprintf(stderr, "@PROGRAM@: %s is back\n", bus->channel);
         }
         return size == FD_PACKET ? 0 : (int)((size_t)size / sizeof *frames);
     }
@@ -205,7 +205,7 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
     }
     if (!bus->down) {
         bus->down = 1;
-        fprintf(stderr, "@LAW@_node: %s is down (%s)\n", bus->channel, strerror(errno));
+        fprintf(stderr, "@PROGRAM@: %s is down (%s)\n", bus->channel, strerror(errno));
     }
     pause_ns(DOWN_WAIT_NS);
     rejoin(bus);

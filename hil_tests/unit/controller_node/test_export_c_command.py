@@ -23,6 +23,7 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
     assert names == sorted(
         [
             "Makefile",
+            "controller.toml",
             "README.md",
             "ipfc.c",
             "ipfc.h",

@@ -1,0 +1,254 @@
+"""A controller in a folder: C and C++ files of the user (``railhil new c-controller``), or an export (``export-c``).
+
+It is built for the scenario of the run, and runs as the program ``NAME_node pipe`` in a process of its own. Only copies
+of the files whose hashes the certificate has take part in the build.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from railhil.bus.frame import Frame
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_bytes, given_text, refuse_unreadable, refuse_unwritable
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.foreign import OutsideController
+from railhil.controller_node.laws import law_class
+from railhil.controller_node.pipe import ControllerFailed, Pipe
+from railhil.controller_node.program.model import identifier
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import validate
+
+TABLE = "controller.toml"
+#: Folder of the C around the functions of a user, and that of everything that is made of a folder.
+AROUND, BUILD = "railhil", "build"
+#: Files that take part in a build: their suffixes, and their names.
+_SUFFIXES = frozenset((".c", ".h", ".cc", ".hh", ".cpp", ".hpp", ".cxx", ".hxx", ".inc", ".s", ".S", ".mk", ".a"))
+_NAMES = frozenset(("Makefile", "makefile", "GNUmakefile", TABLE))
+_BUILD_S = 300.0
+_END_S = 5.0
+_LETTERS_MAX = 200
+#: Variables of a make that started this process.
+_OF_MAKE = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES")
+
+
+class ControllerTable(BaseModel):
+    """``controller.toml``.
+
+    :param kind: ``c-controller``: functions of a user, the C around them is made for each scenario. ``export``: all of
+        the C is in the folder, for one scenario.
+    :param arithmetic, label: of the handshake of an export.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: Literal["c-controller", "export"]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.+-]{0,79}$")]
+    system: str
+    arithmetic: Literal["iq", "float32"] = "float32"
+    label: str = ""
+
+
+class ControllerFolder(OutsideController):
+    """``FOLDER/`` with ``controller.toml``."""
+
+    form: ClassVar[str] = "FOLDER/ with controller.toml"
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.folder = Path(text)
+        file = self.folder / TABLE
+        with refuse_unreadable(file, "controller.toml of a folder by railhil new c-controller, or by railhil export-c"):
+            content = parse_toml(given_text(file))
+        self.table = validate(ControllerTable, content, lambda keys: file)
+        self.name, self.arithmetic = self.table.name, self.table.arithmetic
+        self.law = self.name if self.table.kind == "export" else ""
+
+    @classmethod
+    def reads(cls, text: str) -> bool:
+        return Path(text).is_dir()
+
+    def files(self) -> tuple[Path, ...]:
+        """Those that take part in a build, but not those that railhil makes for each scenario."""
+        made = {BUILD, AROUND} if self.table.kind == "c-controller" else {BUILD}
+        found = []
+        for place, folders, names in os.walk(self.folder):
+            above = Path(place)
+            folders[:] = [name for name in folders if name[0] != "." and (above != self.folder or name not in made)]
+            found += [above / name for name in names if name in _NAMES or Path(name).suffix in _SUFFIXES]
+        return tuple(sorted(found))
+
+    @property
+    def label(self) -> str:
+        """That of an export; otherwise the name alone, so that a program that the user has built can be asked for."""
+        return self.table.label or self.name
+
+    def as_json(self) -> dict[str, Any]:
+        return {**super().as_json(), "compiler": compiler_version()}
+
+    def sources(self, scenario: AnyScenario, law: LawSpec) -> dict[str, bytes]:
+        """All files of the build, by their paths in the folder.
+
+        :raises InputError: a file cannot be read, or the folder is for another system.
+        """
+        system = scenario.installed_system
+        if self.table.system != system.name:
+            raise InputError(
+                self.folder / TABLE, "system", self.table.system, f"{system.name}, that of {scenario.name}"
+            )
+        found = {path.relative_to(self.folder).as_posix(): given_bytes(path) for path in self.files()}
+        if self.table.kind == "c-controller":
+            # An export or a run of a law does not need it.
+            from railhil.controller_node.c_controller.around import given_files
+
+            terms = law_class(law, scenario)(make(self.arithmetic), scenario).terms
+            around = given_files(scenario, law, terms)
+            found |= {f"{AROUND}/{name}": text.encode("ascii") for name, text in around.items()}
+        return found
+
+    def start(self, scenario: AnyScenario, run: RunSpec) -> HostProgram:
+        program = self._build(self.sources(scenario, run.law))
+        # The bus administrator must not lose patience first.
+        return HostProgram(self.text, program, run.patience_s / 2)
+
+    def _build(self, sources: Mapping[str, bytes]) -> Path:
+        """The program for this host, built in ``build/host-DIGEST`` unless it is there already."""
+        digest = hashlib.sha256(compiler_version().encode())
+        for name, content in sources.items():
+            digest.update(b"\0".join((name.encode(), hashlib.sha256(content).digest())))
+        program = f"{identifier(self.name).lower()}_node"
+        place = self.folder / BUILD / f"host-{digest.hexdigest()[:12]}" / program
+        with refuse_unwritable("--controller", place, "folder"), locked(self.folder):
+            if not place.is_file():
+                with tempfile.TemporaryDirectory(prefix=".railhil-build-", dir=self.folder) as draft:
+                    write_sources(Path(draft), sources)
+                    made = self._make(Path(draft), program)
+                    place.parent.mkdir(parents=True, exist_ok=True)
+                    os.replace(made, place)
+        return place
+
+    def _make(self, folder: Path, program: str) -> Path:
+        """Build the program with the folder's own Makefile; returns where it is."""
+        words = ["make", "-s", "node"]
+        environment = {key: value for key, value in os.environ.items() if key not in _OF_MAKE} | {"LC_ALL": "C"}
+        try:
+            done = subprocess.run(
+                words, cwd=folder, capture_output=True, text=True, errors="replace", check=False, env=environment,
+                stdin=subprocess.DEVNULL, timeout=_BUILD_S,
+            )  # fmt: skip
+        except FileNotFoundError:
+            raise InputError(self.text, "make", Words("is not installed"), "the Debian packages make and gcc") from None
+        except subprocess.TimeoutExpired:
+            raise InputError(self.text, "make", Words(f"takes longer than {_BUILD_S:g} s"), "a build") from None
+        if done.returncode:
+            raise InputError(self.text, "make", Words(first_error(done.stderr)), "files that compile and link")
+        for found in (folder / program, folder / BUILD / program):
+            if found.is_file():
+                return found
+        raise InputError(self.text, "make", Words(f"made no {program}"), "the Makefile as it was written")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """One build at a time in a folder; no file is left behind."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def write_sources(folder: Path, sources: Mapping[str, bytes]) -> None:
+    """Write the files of a build."""
+    for name, content in sources.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+
+def compiler_version() -> str:
+    """First line of what the compiler of the host says of itself.
+
+    :raises InputError: there is none.
+    """
+    name = os.environ.get("CC", "gcc").split()[0]
+    path = shutil.which(name)
+    if path is None:
+        raise InputError(
+            "--controller", "compiler", Words(f"{name} is not installed"), "the Debian packages gcc and make"
+        )
+    said = subprocess.run([path, "--version"], capture_output=True, text=True, check=False, errors="replace").stdout
+    return said.partition("\n")[0].strip()
+
+
+def first_error(said: str) -> str:
+    """The line that tells why a build has failed."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    for mark in ("undefined reference", "error: ", "not found", ""):
+        for line in lines:
+            if mark in line:
+                return line[:_LETTERS_MAX]
+    return "fails without a word"
+
+
+class HostProgram:
+    """A program of this host at the end of two streams, see :class:`railhil.controller_node.foreign.Outside`.
+
+    :param text: of the controller, for errors.
+    :param patience_s: wall time for one answer.
+    :raises InputError: it cannot be started.
+    """
+
+    def __init__(self, text: str, program: Path, patience_s: float) -> None:
+        self._text = text
+        try:
+            # It ends with this process. What the user's code prints goes to the standard error.
+            self._process = subprocess.Popen(
+                [program.resolve(), "pipe"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+            )
+        except OSError as error:
+            raise InputError(program, "", Words(f"cannot be started: {error.strerror}"), "a program") from None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._pipe = Pipe(text, self._process.stdout.fileno(), self._process.stdin.fileno(), patience_s)
+
+    def exchange(self, frames: Sequence[Frame]) -> Sequence[Frame]:
+        try:
+            return self._pipe.exchange(frames).frames
+        except ControllerFailed as error:
+            raise self._describe(error) from None
+
+    def _describe(self, error: ControllerFailed) -> InputError:
+        """The error, for a program that was ended by a signal with its name."""
+        try:
+            code = self._process.wait(0.0 if self._process.poll() is None and "answered" in str(error) else _END_S)
+        except subprocess.TimeoutExpired:
+            code = 0
+        self.close()
+        if code < 0:
+            name = signal.Signals(-code).name
+            return InputError(self._text, "", Words(f"its program was ended by {name}"), "an answer")
+        return error
+
+    def close(self) -> None:
+        """End the program."""
+        self._process.kill()
+        self._process.wait(_END_S)
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                stream.close()

@@ -1,0 +1,266 @@
+"""A controller in C that the user writes: its folder, as a program, as a library, and its faults."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support.cli import Done, railhil, railhil_process
+from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.foreign import foreign_run, without_status
+from hil_tests.support.paths import ROOT
+
+pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow, pytest.mark.loop]
+
+#: What the body of a step can do wrong, chosen by its environment: the C is compiled once.
+_FAULTS = """
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+static void fail(float time_s, float *command)
+{
+    const char *fault = getenv("FAULT");
+    if (fault == NULL || time_s < 5.0f) {
+        return;
+    }
+    if (strcmp(fault, "nan") == 0) {
+        *command = 0.0f / (time_s * 0.0f);
+    } else if (strcmp(fault, "infinite") == 0) {
+        *command = 1.0f / (time_s * 0.0f);
+    } else if (strcmp(fault, "crash") == 0) {
+        abort();
+    } else if (strcmp(fault, "exit") == 0) {
+        exit(7);
+    } else if (strcmp(fault, "print") == 0) {
+        printf("%g\\n", (double)time_s);
+    }
+    while (strcmp(fault, "loop") == 0) {
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """With a C controller ``mine``, a short scenario and a record of both."""
+    made = tmp_path_factory.mktemp("c")
+    (made / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
+    assert railhil("new", "c-controller", "mine", cwd=made).exit_code == 0
+    source = made / "mine/mine.c"
+    text = source.read_text().replace('#include "mine.h"', f'#include "mine.h"\n{_FAULTS}')
+    source.write_text(text.replace("out->notch = notch;", "out->notch = notch;\n    fail(in->time_s, &out->notch);"))
+    done = run(made, "./mine", "record")
+    assert done.exit_code in (0, 1), done.err
+    return made
+
+
+def words(controller: str, out: str, *options: str) -> tuple[str, ...]:
+    return ("run", "fast.toml", "--controller", controller, "--bus", "local", "--quiet", "--no-report", "--out", out,
+            *options)  # fmt: skip
+
+
+def run(folder: Path, controller: str, out: str, *options: str) -> Done:
+    return railhil(*words(controller, out, *options), cwd=folder)
+
+
+def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["make", "-s", *targets], cwd=folder, capture_output=True, text=True, check=False)
+
+
+def notches(record: Path) -> list[str]:
+    return [line.split()[2] for line in (record / "frames.log").read_text().splitlines() if " 110#" in line]
+
+
+def given(record: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((record / "certificate.json").read_text())["given_controller"]
+    return found
+
+
+def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path) -> None:
+    page = (ROOT / "docs/controllers.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"## In C or C\+\+\n\n```sh[^\n]*\n(.*?)```", page, re.DOTALL)
+    lines = block.splitlines()
+    assert len(lines) <= 15
+    for line in lines:
+        program, *rest = line.split()
+        if program == "make":
+            assert make(tmp_path, *rest).returncode == 0, line
+        else:
+            rest += ["--bus", "local", "--no-report"] if rest[0] == "run" else []
+            done = railhil(*rest, cwd=tmp_path)
+            assert done.exit_code == 0, done.err
+    assert len((tmp_path / "mine/README.md").read_text().splitlines()) <= 40
+
+
+def test_the_test_of_a_new_folder_fails_when_the_body_is_wrong(tmp_path: Path) -> None:
+    assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
+    mine = tmp_path / "mine"
+    assert make(mine, "check").stdout == "OK\n"
+    source = mine / "mine.c"
+    source.write_text(source.read_text().replace("+ PROPORTIONAL", "- PROPORTIONAL"))
+    done = make(mine, "check")
+    assert (done.returncode != 0, "a train that is too slow is accelerated" in done.stdout) == (True, True)
+
+
+def test_the_certificate_has_files_and_compiler_and_a_rerun_gives_the_same_bytes(folder: Path) -> None:
+    found = given(folder / "record")
+    assert [Path(name).name for name in found["files"]] == ["Makefile", "controller.toml", "mine.c", "test_mine.c"]
+    assert re.search(r"\d+\.\d+", found["compiler"])
+    again = railhil("rerun", "record", "--controller", "./mine", "--out", "again", cwd=folder)
+    assert (again.exit_code, "same bytes" in again.out) == (0, True), again.err
+    shutil.copytree(folder / "mine", folder / "changed", ignore=shutil.ignore_patterns("build"))
+    (folder / "changed/mine.c").write_text((folder / "mine/mine.c").read_text() + "\n")
+    refused = railhil("rerun", "record", "--controller", "./changed", "--out", "no", cwd=folder)
+    assert (refused.exit_code, "changed/mine.c: sha256" in refused.one_line()) == (2, True)
+    missing = railhil("rerun", "record", "--out", "no", cwd=folder)
+    assert (missing.exit_code, "a controller is code" in missing.one_line()) == (2, True)
+
+
+def test_a_library_gives_the_same_notches(folder: Path) -> None:
+    assert make(folder / "mine", "lib").returncode == 0
+    assert run(folder, "mine/build/mine.so", "library").exit_code in (0, 1)
+    assert notches(folder / "library") == notches(folder / "record")
+    assert len(set(notches(folder / "record"))) > 50
+    refused = railhil("run", "hst_short", *words("mine/build/mine.so", "no2")[2:], cwd=folder)
+    assert (refused.exit_code, "mine_interface: found" in refused.one_line()) == (2, True)
+    refused = run(folder, "mine/build/mine.so:yours", "no3")
+    assert (refused.exit_code, "has no yours_step" in refused.one_line()) == (2, True)
+    (folder / "text.so").write_text("no library")
+    refused = run(folder, "./text.so", "no4")
+    assert (refused.exit_code, "cannot be loaded" in refused.one_line()) == (2, True)
+
+
+def test_files_in_cpp_and_in_folders_are_compiled(folder: Path) -> None:
+    shutil.copytree(folder / "mine", folder / "cpp", ignore=shutil.ignore_patterns("build"))
+    cpp = folder / "cpp"
+    (cpp / "parts").mkdir()
+    (cpp / "mine.c").rename(cpp / "parts/mine.cpp")
+    makefile = cpp / "Makefile"
+    makefile.write_text(makefile.read_text().replace("SOURCES := mine.c", "SOURCES := parts/mine.cpp"))
+    assert run(folder, "./cpp", "cpp_record").exit_code in (0, 1)
+    assert notches(folder / "cpp_record") == notches(folder / "record")
+
+
+def test_a_program_built_without_railhil_is_asked_for_on_the_hub(folder: Path, socket_folder: Path) -> None:
+    made = railhil("new", "c-controller", "mine", "--scenario", "fast.toml", "--out", "built", cwd=folder)
+    assert made.exit_code == 0, made.err
+    shutil.copy(folder / "mine/mine.c", folder / "built/mine.c")
+    assert make(folder / "built").returncode == 0
+    arguments = (str(folder / "fast.toml"), "--controller", str(folder / "mine"))
+    found = foreign_run(folder / "built/build/mine_node", socket_folder / "h.sock", folder / "hub", *arguments)
+    assert (found.exit_code, found.done.exit_code in (0, 1)) == (0, True), found.said
+    assert (folder / "hub/frames.log").read_bytes() == (folder / "record/frames.log").read_bytes()
+
+
+def test_the_folder_of_an_export_runs_as_the_controller(folder: Path) -> None:
+    assert railhil("export-c", "ipfc", "fast.toml", "--out", "ipfc", cwd=folder).exit_code == 0
+    assert run(folder, "ipfc/", "exported").exit_code in (0, 1)
+    assert run(folder, "ipfc", "law").exit_code in (0, 1)
+    assert without_status(folder / "exported/frames.log") == without_status(folder / "law/frames.log")
+    refused = railhil("run", "yizhuang_05", *words("ipfc/", "no5")[2:], cwd=folder)
+    assert (refused.exit_code, "scenario differs" in refused.err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        ("nan", "mine_step: notch is no finite number"),
+        ("infinite", "mine_step: notch is no finite number"),
+        ("crash", "ended by SIGABRT"),
+        ("exit", "has ended"),
+        ("loop", "has not answered for 1 s"),
+    ],
+)
+def test_a_fault_of_the_code_is_one_line_and_exit_code_2(
+    folder: Path, fault: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAULT", fault)
+    done = run(folder, "./mine", fault, "--patience", "2")
+    lines = [line for line in (done.out + done.err).splitlines() if said in line]
+    assert (done.exit_code, len(lines), "Traceback" in done.err) == (2, 1, False), done.out + done.err
+    programs = subprocess.run(["pgrep", "-f", str(folder / "mine")], capture_output=True, text=True, check=False)
+    assert programs.stdout == ""
+
+
+def test_what_the_code_prints_disturbs_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FAULT", "print")
+    assert run(folder, "./mine", "printed").exit_code in (0, 1)
+    assert notches(folder / "printed") == notches(folder / "record")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("out->notch = notch;", "out->brake = notch;", "error: "),
+        ("void mine_step(", "void mine_stop(", "undefined reference to `mine_step'"),
+        ("out->notch = notch;", "", "mine_step: notch is no finite number"),
+    ],
+    ids=["wrong C", "no function", "no command"],
+)
+def test_wrong_code_is_one_line_and_leaves_nothing_behind(folder: Path, old: str, new: str, said: str) -> None:
+    wrong = folder / "wrong"
+    shutil.rmtree(wrong, ignore_errors=True)
+    shutil.copytree(folder / "mine", wrong, ignore=shutil.ignore_patterns("build"))
+    source = wrong / "mine.c"
+    source.write_text(source.read_text().replace(old, new).replace("fail(in->time_s, &out->notch);", ""))
+    before = sorted(wrong.rglob("*"))
+    done = run(folder, "./wrong", "no6")
+    assert (done.exit_code, said in done.one_line(), (folder / "no6").exists()) == (2, True, False), done.err
+    if "error" in said or "undefined" in said:
+        assert sorted(wrong.rglob("*")) == before
+
+
+def test_a_missing_compiler_is_one_line(folder: Path) -> None:
+    done = railhil_process(*words("./mine", "no7"), environment={"PATH": "/nothing"}, cwd=folder, anew=True)
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("bus: ")]
+    assert (done.returncode, len(lines), "gcc is not installed" in lines[-1]) == (2, 1, True)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("", "does not exist"),
+        ('kind = "law"', "kind"),
+        ('kind = "c-controller"\nname = "mine"\nsystem = "hst1"', "hst1"),
+    ],
+)
+def test_a_wrong_table_of_a_folder_is_refused(folder: Path, change: str, said: str, tmp_path: Path) -> None:
+    if change:
+        (tmp_path / "controller.toml").write_text(change + "\n")
+    done = run(folder, f"{tmp_path}/", "no8")
+    assert (done.exit_code, said in done.one_line()) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["math", "given", "railhil_x", "Mine", "a-b"])
+def test_a_name_with_another_meaning_is_refused(name: str, tmp_path: Path) -> None:
+    done = railhil("new", "c-controller", name, cwd=tmp_path)
+    assert (done.exit_code, name in done.one_line(), list(tmp_path.iterdir())) == (2, True, [])
+
+
+@pytest.mark.parametrize(
+    ("scenario", "body"),
+    [
+        ("hst_short", "0.9f * (in->ref1 - in->speed) + 0.3f"),
+        pytest.param("yizhuang_stop", "in->sent_u * 0.5f - in->speed1 * 0.03f", marks=pytest.mark.long),
+    ],
+)
+def test_other_systems_have_their_own_readings(scenario: str, body: str, tmp_path: Path) -> None:
+    """The folder and the library give the same frames, but for the name in the handshake."""
+    assert railhil("new", "c-controller", "mine", "--scenario", scenario, cwd=tmp_path).exit_code == 0
+    source = tmp_path / "mine/mine.c"
+    source.write_text(source.read_text().replace("(void)in;", "").replace("out->u = 0.0f", f"out->u = {body}"))
+    assert make(tmp_path / "mine", "check", "lib").returncode == 0
+    logs = []
+    for controller in ("./mine", "mine/build/mine.so"):
+        out = f"{Path(controller).name}_run"
+        done = railhil("run", scenario, *words(controller, out)[2:], cwd=tmp_path)
+        assert done.exit_code in (0, 1), done.err
+        lines = (tmp_path / out / "frames.log").read_text().splitlines()
+        logs.append([line for line in lines if not re.search(r" 1(6[89C]|7[01489C])#", line)])
+    assert logs[0] == logs[1]
