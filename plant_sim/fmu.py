@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Protocol, cast
 
 from railhil.common.errors import InputError
-from railhil.fmu.determinism import Twice, twice
+from railhil.fmu.determinism import Twice, outputs_sha256, twice
 from railhil.fmu.instance import Fmu, FmuError
 from railhil.fmu.names import Quantities
 from railhil.plant_sim.any_plant import PlantError
@@ -26,15 +27,15 @@ class TrainFmu(Fmu):
         file, names = Path(named.file), Path(named.map)
         super().__init__(f"railhil {OPTION}", file, names, quantities, train, step_s, several=several)
 
-    def step(self, inputs: Mapping[str, float], step_s: float) -> dict[str, float]:
+    def step(self, inputs: Mapping[str, float], step_s: float, time_s: float | None = None) -> dict[str, float]:
         """Set the inputs, make a step, and read the outputs.
 
         :raises PlantError: the FMU refuses it.
         """
         try:
-            return super().step(inputs, step_s)
+            return super().step(inputs, step_s, time_s)
         except FmuError as error:
-            raise PlantError(str(error)) from None
+            raise PlantError(f"{self.file.name}: {error}") from None
 
 
 class FmuPlant(Protocol):
@@ -49,7 +50,18 @@ def plant_twice(scenario: AnyScenario, run: RunSpec) -> Twice:
 
     :raises InputError: the FMU cannot be the plant.
     """
-    return twice(lambda: cast(FmuPlant, make_plant(scenario, run)[0]).fmus[0])
+
+    def new() -> TrainFmu:
+        return cast(FmuPlant, make_plant(scenario, run)[0]).fmus[0]
+
+    first = new()
+    if first.only_once:
+        return Twice(None, "not checked: a process can have only one instance of it")
+    return twice([partial(_outputs_sha256, fmu) for fmu in (first, new())], PlantError)
+
+
+def _outputs_sha256(fmu: TrainFmu) -> str:
+    return outputs_sha256(lambda values: fmu.step(values, fmu.step_s).values(), fmu.quantities.inputs)
 
 
 #: Largest difference of a speed at the start, m/s.

@@ -199,15 +199,24 @@ class NotchControl(Control):
 
         return [macro(signal, found[signal]) if signal in found else Macro(signal) for signal in SLOTS]
 
-    def wires(self) -> dict[str, Wire]:
+    @classmethod
+    def wires(cls, scenario: Scenario) -> dict[str, Wire]:
+        def length(words: str, quantity: str) -> Wire:
+            return Wire(words, quantity=quantity, one=1e-4)
+
+        notch = Wire.of(NotchCmd, "notch_256th", "notch")
+        period_s = scenario.timing.control_period_ns / 1e9
         return {
-            "speed_01mmps": Wire.of(TrnSpeed, "speed_01mmps"),
-            "position_01mm": Wire("position from the start of the run, 1 is 0.1 mm: ten times that of TRN_POS"),
-            "balise": Wire("number of the last balise, 0: none yet"),
-            "balise_01mm": Wire("its surveyed position, 1 is 0.1 mm"),
-            "balise_odometer_01mm": Wire("odometer reading when it was passed, 1 is 0.1 mm"),
-            "sent": Wire("notch sent instead of out.notch, 1 is 1/256 notch"),
-            "out.notch": Wire.of(NotchCmd, "notch_256th"),
+            cls.period_word: Wire("number of the control period", quantity="time_s", one=period_s),
+            "speed_01mmps": Wire.of(TrnSpeed, "speed_01mmps", "speed_mps"),
+            "position_01mm": length(
+                "position from the start of the run, 1 is 0.1 mm: ten times that of TRN_POS", "position_m"
+            ),
+            "balise": Wire("number of the last balise, 0: none yet", quantity="balise"),
+            "balise_01mm": length("its surveyed position, 1 is 0.1 mm", "balise_m"),
+            "balise_odometer_01mm": length("odometer reading when it was passed, 1 is 0.1 mm", "balise_odometer_m"),
+            "sent": Wire("notch sent instead of out.notch, 1 is 1/256 notch", quantity="sent_notch", one=notch.one),
+            "out.notch": notch,
         }
 
     def loop(self, number: Arithmetic[int]) -> Loop:

@@ -45,23 +45,31 @@ class Period(NamedTuple):
 
 
 class Wire(NamedTuple):
-    """A word of an FMU: its description, and the signal whose raw integer it is (None: none)."""
+    """A word of an FMU: its description, and the signal whose raw integer it is (None: none).
+
+    ``quantity``: the reading or command of which it is the integer, by the name that a given controller has for it
+    (:class:`railhil.controller_node.given.computing.Terms`); empty: none. ``one``: value of 1 in the quantity's unit.
+    """
 
     words: str
     port: str = ""
     signal: Signal | None = None
+    quantity: str = ""
+    one: float = 1.0
 
     @classmethod
-    def of(cls, telegram: type[Telegram], field: str) -> Wire:
+    def of(cls, telegram: type[Telegram], field: str, quantity: str, one: float | None = None) -> Wire:
         """The raw integer of a telegram's field.
 
+        :param one: None: in the unit of its signal.
         :raises KeyError: it has no such field.
         """
         signal = dict(telegram.signals())[field]
         unit = "" if signal.unit == "1" else signal.unit
         words = " ".join(filter(None, (f"{signal.scale:g}", unit)))
         name = f"{telegram.PORT} {signal.name}"
-        return cls(name if words == "1" else f"{name}, 1 is {words}", telegram.PORT, signal)
+        said = name if words == "1" else f"{name}, 1 is {words}"
+        return cls(said, telegram.PORT, signal, quantity, signal.scale if one is None else one)
 
 
 class Macro(NamedTuple):
@@ -218,8 +226,9 @@ class Control(ABC):
     sources: ClassVar[tuple[str, ...]]
     headers: ClassVar[tuple[str, ...]]
 
-    def wires(self) -> Mapping[str, Wire]:
-        """The words of an FMU by their columns in the log; missing ones have no description."""
+    @classmethod
+    def wires(cls, scenario: Any) -> Mapping[str, Wire]:
+        """The words of an FMU of any law by their columns in the log; missing ones have no description."""
         return {}
 
     @property

@@ -59,7 +59,7 @@ def law_of(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> F
     control, name = control_of(scenario, law), bundle.source.name
     columns = [word.column for word in control.record if word.column != control.period_word]
     places = {column: f"input[{at}]" for at, column in enumerate(columns)} | {control.period_word: "k"}
-    wires = {column: Wire(words) for column, words in _COUNTERS.items()} | dict(control.wires())
+    wires = {column: Wire(words) for column, words in _COUNTERS.items()} | dict(control.wires(scenario))
     outputs = tuple(
         Variable(column, at, wires.get(column, _NO_WIRE))
         for at, column in enumerate(bundle.source.columns)

@@ -89,13 +89,9 @@ class InterfaceControl(Control):
             refuse_wide_readings(self._interface)
         self.programs = record_loop(VectorLoop, scenario, replace(law, memory=None), wide=is_wide)
         interface = self._interface
-        readings, commands = Names(), Names()
-        given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
-        told = [(command.name, commands.new(command.name)) for command in interface.commands]
-        self.given = tuple(Word(name, parameter, parameter) for name, parameter in given)
-        self.told = tuple(Word(name, parameter, f"sent.{parameter}") for name, parameter in told)
+        self.given, self.told = _words(interface)
         self.record = (*self.given, *self.told)
-        self.commands = tuple(f"out.commands[{i}]" for i in range(len(told)))
+        self.commands = tuple(f"out.commands[{i}]" for i in range(len(self.told)))
         self._leaves: dict[str, str] = {f"in[{i}]": reading.name for i, reading in enumerate(interface.readings)}
         self._leaves |= dict(zip(self.commands, (command.name for command in interface.commands), strict=True))
         self._leaves |= {f"out.notes[{i}]": note.name for i, note in enumerate(interface.notes)}
@@ -135,14 +131,20 @@ class InterfaceControl(Control):
     def input_unit(self, leaf: str, value: Value) -> str:
         return self._units[leaf]
 
-    def wires(self) -> dict[str, Wire]:
+    @classmethod
+    def wires(cls, scenario: AnyScenario) -> dict[str, Wire]:
         """Readings and commands are the integers of their signals, notes have the law's own formats."""
-        interface = self._interface
-        readings = zip(self.given, interface.readings, strict=True)
-        found = {word.column: Wire.of(item.telegram, item.field) for word, item in readings}
-        for word, item in zip(self.told, interface.commands, strict=True):
-            out = f"out.{word.parameter}"
-            found |= {out: Wire.of(item.telegram, item.field), word.column: Wire(f"sent instead of {out}")}
+        interface: Interface = scenario.installed_system.part("interface")
+        given, told = _words(interface)
+        readings = zip(given, interface.readings, strict=True)
+        found = {
+            word.column: Wire.of(item.telegram, item.field, identifier(item.name), 2.0**-item.q)
+            for word, item in readings
+        }
+        for word, item in zip(told, interface.commands, strict=True):
+            out, name, one = f"out.{word.parameter}", identifier(item.name), 2.0**-item.q
+            sent = Wire(f"sent instead of {out}", quantity=f"sent_{name}", one=one)
+            found |= {out: Wire.of(item.telegram, item.field, name, one), word.column: sent}
         for note in interface.notes:
             words = " ".join(filter(None, (f"1/2^{note.law_q}", note.unit)))
             found[f"out.{identifier(note.name)}"] = Wire(f"1 is {words}")
@@ -286,6 +288,17 @@ def _set(kind: type[Telegram], values: Mapping[str, str]) -> list[str]:
 def _end(generator: Generator, low: int, high: int) -> int:
     """One end of an interval, or a value from -1 to 1."""
     return (low, max(low, -1), 0, min(high, 1), high)[generator.between(0, 4)]
+
+
+def _words(interface: Interface) -> tuple[tuple[Word, ...], tuple[Word, ...]]:
+    """The readings and the commands as words."""
+    readings, commands = Names(), Names()
+    given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
+    told = [(command.name, commands.new(command.name)) for command in interface.commands]
+    return (
+        tuple(Word(name, parameter, parameter) for name, parameter in given),
+        tuple(Word(name, parameter, f"sent.{parameter}") for name, parameter in told),
+    )
 
 
 def _lines(text: str) -> str:

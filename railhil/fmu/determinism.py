@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import NamedTuple
 
-from railhil.fmu.instance import Fmu, FmuError
 from railhil.fmu.names import Input
 
 #: Steps of each of the two runs, and the shares of the command in their equal parts.
@@ -22,20 +21,20 @@ class Twice(NamedTuple):
     why: str
 
 
-def outputs_sha256(fmu: Fmu) -> str:
+def outputs_sha256(
+    step: Callable[[dict[str, float]], Collection[float]], inputs: Mapping[str, Input], ticks: int = TICKS
+) -> str:
     """SHA-256 over all outputs of a new instance after every step, driven by fixed inputs.
 
     A deterministic FMU gives the same SHA-256 each time.
 
-    :raises FmuError: it refuses a step.
+    :param step: values of the inputs in, outputs out; it raises where the FMU refuses the step.
     """
     digest = hashlib.sha256()
-    inputs = fmu.quantities.inputs
-    for tick in range(TICKS):
-        part = tick * len(_SHARES) // TICKS
-        values = {name: _value(number, one, part) for number, (name, one) in enumerate(inputs.items())}
-        found = fmu.step(values, fmu.step_s)
-        digest.update(struct.pack(f"<{len(found)}d", *found.values()))
+    for tick in range(ticks):
+        part = tick * len(_SHARES) // ticks
+        found = step({name: _value(number, one, part) for number, (name, one) in enumerate(inputs.items())})
+        digest.update(struct.pack(f"<{len(found)}d", *found))
     return digest.hexdigest()
 
 
@@ -46,18 +45,15 @@ def _value(number: int, one: Input, part: int) -> float:
     return one.other if part == number else one.usual
 
 
-def twice(new: Callable[[], Fmu]) -> Twice:
-    """Whether an FMU is deterministic.
+def twice(runs: Iterable[Callable[[], str]], refusal: type[Exception]) -> Twice:
+    """Whether two equal runs gave the same.
 
-    :param new: makes an instance.
-    :raises InputError: as ``new``.
+    :param runs: each gives its :func:`outputs_sha256`.
+    :param refusal: raised where the FMU refuses a step.
     """
-    first = new()
-    if first.only_once:
-        return Twice(None, "not checked: a process can have only one instance of it")
     try:
-        one, other = outputs_sha256(first), outputs_sha256(new())
-    except FmuError as error:
+        one, other = (run() for run in runs)
+    except refusal as error:
         return Twice(None, str(error))
     if one == other:
         return Twice(True, "")

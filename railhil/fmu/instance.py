@@ -18,8 +18,6 @@ from railhil.common.user_files import open_given
 from railhil.fmu.names import RAW, Input, Named, Output, Quantities, equal_names, factors_of, read_names
 from railhil.scenarios.plant_fmu import FMU_BYTES_MAX
 
-#: Beginning of the names of temporary folders.
-FOLDER_PREFIX = "railhil-fmu-"
 _VERSIONS = ("2.0", "3.0")
 #: Largest content of an FMU, which is written to the temporary folder.
 _UNPACKED_MAX = 2_000_000_000
@@ -32,6 +30,15 @@ _INTEGERS = {
 }
 _BOOLEAN = "Boolean"
 _NUMBERS = (*_REALS, "Float32", *_INTEGERS, _BOOLEAN)
+
+
+def temporary_folder(owner: object) -> Path:
+    """A folder that is removed with its owner, and when this process ends."""
+    folder = Path(tempfile.mkdtemp(prefix="railhil-fmu-"))
+    weakref.finalize(owner, rmtree, folder, True).atexit = False
+    # weakref's own hook is lost in a forked process, because the handlers of this process are cleared there.
+    atexit.register(rmtree, folder, True)
+    return folder
 
 
 class FmuError(Exception):
@@ -120,12 +127,7 @@ class Fmu:
             raise InputError(self.file, "CoSimulation", found, f"an instance for {several}")
         #: Whether steps of other lengths than :param:`step_s` are possible.
         self.variable_step = bool(simulation.canHandleVariableCommunicationStepSize)
-        if folder is None:
-            folder = Path(tempfile.mkdtemp(prefix=FOLDER_PREFIX))
-            weakref.finalize(self, rmtree, folder, True).atexit = False
-            # weakref's own hook is lost in a forked process, because the handlers of this process are cleared there.
-            atexit.register(rmtree, folder, True)
-        self._start(fmpy, numbers, str(folder))
+        self._start(fmpy, numbers, str(temporary_folder(self) if folder is None else folder))
 
     # -- checks ---------------------------------------------------------------------------------------------------
 
@@ -280,11 +282,13 @@ class Fmu:
             for one, value in zip(group.variables, group.call(group.references), strict=True)
         }
 
-    def step(self, inputs: Mapping[str, float], step_s: float) -> dict[str, float]:
+    def step(self, inputs: Mapping[str, float], step_s: float, time_s: float | None = None) -> dict[str, float]:
         """Set the inputs, make a step, and read the outputs.
 
+        :param time_s: its beginning; None: the end of the last step.
         :raises FmuError: the FMU refuses it, or an input does not fit its variable.
         """
+        self._time_s = self._time_s if time_s is None else time_s
         try:
             for group in self._setters:
                 values = [inputs[one.quantity] / one.factor for one in group.variables]
@@ -298,9 +302,7 @@ class Fmu:
         except Exception as error:
             # The interface to native code may raise anything.
             cause = " ".join(str(error).split())
-            raise FmuError(
-                f"{self.file.name}: refuses the step of {step_s:g} s at {self._time_s:g} s: {cause}"
-            ) from None
+            raise FmuError(f"refuses the step of {step_s:g} s at {self._time_s:g} s: {cause}") from None
 
 
 def _converted(group: _Group, values: list[float]) -> list[Any]:
