@@ -96,6 +96,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         chosen = choose([item.nodeid for item in items], int(share), day)
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid not in chosen])
         items[:] = [item for item in items if item.nodeid in chosen]
+    if not os.environ.get("REFERENCE_FMUS"):
+        # Sources of somebody else, which no test downloads: https://github.com/modelica/Reference-FMUs.
+        others = [item for item in items if item.get_closest_marker("needs_reference_fmus") is not None]
+        config.hook.pytest_deselected(items=others)
+        items[:] = [item for item in items if item not in others]
     if hasattr(config, "workerinput"):
         weights = Counter[Path]()
         for item in items:

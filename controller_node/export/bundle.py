@@ -25,6 +25,7 @@ from railhil.controller_node.law_loop import refuse_solver
 from railhil.controller_node.laws import law_class
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import System
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,12 @@ _PROGRAM = (
 )
 
 
+def control_kind(system: System) -> type[Control]:
+    """The class that exports its laws: its part ``export``, else that of its ``interface``."""
+    kind: type[Control] = system.optional_part("export") or InterfaceControl
+    return kind
+
+
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     """The :class:`Control` that exports a law: the part ``export`` of its system, else one for its ``interface``.
 
@@ -55,7 +62,7 @@ def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
         like :class:`~railhil.controller_node.export.control.Control`.
     """
     system = scenario.installed_system
-    kind: type[Control] = system.optional_part("export") or InterfaceControl
+    kind = control_kind(system)
     if law.arithmetic not in kind.arithmetics:
         allowed = f"{' or '.join(kind.arithmetics)} for a law of system {system.name}"
         raise InputError("command line", "--arithmetic", law.arithmetic, allowed)

@@ -121,6 +121,11 @@ class ComputingController(GivenController):
         :raises InputError: it cannot be loaded, or does not take these readings.
         """
 
+    def terms_of(self, scenario: AnyScenario, run: RunSpec) -> Terms:
+        """Readings and commands of the system."""
+        terms: Terms = scenario.installed_system.part("controller").computes(scenario, run.law).law.terms
+        return terms
+
     def make_node(self, scenario: AnyScenario, run: RunSpec, *, fd: bool, bit_rate: int | None) -> Any:
         """The node of the system, with this code in the place of the law."""
         part = scenario.installed_system.part("controller")

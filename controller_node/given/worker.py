@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.patience import APPEAR_S
 from railhil.common.python_process import end_with_parent
 from railhil.controller_node.given.computing import Computer, ComputingController, Terms
 
@@ -51,12 +52,13 @@ class WorkerController(ComputingController):
 class Worker:
     """See :class:`~railhil.controller_node.given.computing.Computer`.
 
-    :param patience_s: wall time for the start, and for each answer.
+    :param patience_s: wall time for each answer; the start has at least half of :data:`APPEAR_S`.
     :raises InputError: the code cannot be loaded, or does not take the readings.
     """
 
     def __init__(self, given: WorkerController, terms: Terms, patience_s: float) -> None:
-        self._text, self._patience_s = given.text, patience_s
+        # Loading libraries may take longer than an answer.
+        self._text, self._patience_s = given.text, max(patience_s, APPEAR_S / 2)
         self._pack = struct.Struct(f"<{len(terms.readings)}d").pack
         self._unpack = struct.Struct(f"<{len(terms.commands)}d").unpack
         kind = type(given)
@@ -72,6 +74,7 @@ class Worker:
         self._ends = weakref.finalize(self, _end, self._process, ours)
         self._key = "start"
         self._ask(b"")
+        self._patience_s = patience_s
         self._periods = 0
 
     def compute(self, readings: Sequence[float]) -> Sequence[float]:

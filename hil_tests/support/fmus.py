@@ -161,9 +161,10 @@ speed_mps = "v"
 effort_n = "effort"
 """
 _FLAVOURS = {
-    "2.0": {"module": "pythonfmu", "slave": "Fmi2Slave", "kind": "Real", "causality": "Fmi2Causality", "clock": "",
-            "result": "True"},
+    "2.0": {"module": "pythonfmu", "slave": "Fmi2Slave", "kind": "Real", "causality": "Fmi2Causality",
+            "variability": "Fmi2Variability", "clock": "", "result": "True"},
     "3.0": {"module": "pythonfmu3", "slave": "Fmi3Slave", "kind": "Float64", "causality": "Fmi3Causality",
+            "variability": "Fmi3Variability",
             "clock": "self.time = 0.0\n        self.register_variable(Number('time', causality=Causality.independent))"
             "\n        ", "result": "Fmi3StepResult(status=Fmi3Status.ok, eventHandlingNeeded=False, "
             "terminateSimulation=False, earlyReturn=False)"},
@@ -172,14 +173,85 @@ _FLAVOURS = {
 
 def python_train(folder: Path, version: str) -> Path:
     """An FMU in Python of this FMI version, which needs the interpreter that runs it; its map is beside it."""
-    text = PYTHON_TRAIN.format(**_FLAVOURS[version])
+    return python_fmu(folder, version, PYTHON_TRAIN, "Train", PYTHON_MAP)
+
+
+def python_fmu(folder: Path, version: str, text: str, name: str, names: str) -> Path:
+    """An FMU in Python, of a text with places for what differs between the FMI versions.
+
+    :param name: of its class.
+    :param names: the map beside it.
+    """
+    text = text.format(**_FLAVOURS[version])
     if version == "3.0":
         text = f"from pythonfmu3 import Fmi3Status, Fmi3StepResult\n{text}"
-    # Python keeps a module by its name: two of these trains in one process need two names.
-    script = folder / f"train_of_fmi_{version[0]}.py"
+    # Python keeps a module by its name: two of these in one process need two names.
+    script = folder / f"{name.lower()}_of_fmi_{version[0]}.py"
     script.write_text(text, encoding="utf-8")
     command = [sys.executable, "-m", _FLAVOURS[version]["module"], "build", "-f", str(script), "-d", str(folder)]
     subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
-    fmu = folder / "Train.fmu"
-    fmu.with_suffix(".toml").write_text(PYTHON_MAP, encoding="utf-8")
+    fmu = folder / f"{name}.fmu"
+    fmu.with_suffix(".toml").write_text(names, encoding="utf-8")
+    return fmu
+
+
+#: A P controller in Python, with the faults that a controller can have, by the number ``fault``.
+PYTHON_CONTROLLER = """\
+import os
+import random
+import signal
+
+from {module} import {slave}, {kind} as Number, {causality} as Causality, {variability} as Variability
+
+
+class Controller({slave}):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        {clock}self.speed = self.set_point = self.command = self.fault = 0.0
+        for name in ("speed", "set_point"):
+            self.register_variable(Number(name, causality=Causality.input))
+        self.register_variable(Number("command", causality=Causality.output))
+        self.register_variable(Number("fault", causality=Causality.parameter, variability=Variability.tunable))
+
+    def do_step(self, current_time, step_size):
+        self.command = self.set_point - self.speed
+        if self.fault == 1:
+            self.command = float("nan")
+        if self.fault == 2:
+            raise ValueError("no more")
+        if self.fault == 3:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        while self.fault == 4:
+            pass
+        if self.fault == 5:
+            self.command += random.random()
+        return {result}
+"""
+CONTROLLER_MAP = """\
+[inputs]
+speed_mps = {{ variable = "speed", unit = "km/h" }}
+set_point_mps = {{ variable = "set_point", unit = "km/h" }}
+[outputs]
+notch = "command"
+[parameters]
+fault = {fault}
+"""
+
+
+def reference_fmu(sources: Path, folder: Path, version: str) -> Path:
+    """``Feedthrough`` of the Reference FMUs of the Modelica Association.
+
+    :param sources: of https://github.com/modelica/Reference-FMUs.
+    """
+    number, model = version[0], sources / "Feedthrough"
+    library = folder / "Feedthrough.so"
+    files = [model / "model.c", *(sources / "src" / name for name in (f"fmi{number}Functions.c", "cosimulation.c"))]
+    command = ["gcc", "-O2", "-fPIC", "-shared", f"-DFMI_VERSION={number}", "-DDISABLE_PREFIX"]
+    command += [f"-I{sources / 'include'}", f"-I{model}", *map(str, files), "-o", str(library), "-lm"]
+    subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
+    platform = fmpy.platform if version == "2.0" else fmpy.platform_tuple
+    fmu = folder / f"Feedthrough{number}.fmu"
+    with zipfile.ZipFile(fmu, "w") as archive:
+        archive.write(model / f"FMI{number}.xml", "modelDescription.xml")
+        archive.write(library, f"binaries/{platform}/Feedthrough.so")
     return fmu

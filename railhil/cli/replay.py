@@ -14,7 +14,7 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.record import Record, checked_record
 from railhil.scenarios.given import NamedCode, RecordedController, refuse_beside
-from railhil.scenarios.options import add_fmu_options, add_option, named_code
+from railhil.scenarios.options import add_controller_fmu_options, add_fmu_options, add_option, named_code
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -32,6 +32,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
     )
     add_fmu_options(parser)
+    add_controller_fmu_options(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)
 

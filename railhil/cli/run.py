@@ -28,6 +28,7 @@ from railhil.scenarios.given import NamedCode, refuse_beside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import (
+    add_controller_fmu_options,
     add_fmu_options,
     add_law_options,
     add_option,
@@ -109,6 +110,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, overriding --spec"
     )
     add_fmu_options(parser)
+    add_controller_fmu_options(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
@@ -147,7 +149,7 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
     if code.controller is not None:
-        del words["controller"]
+        words.pop("controller", None)
         refuse_beside(code.controller, {OPTIONS[key]: words.get(key) for key in _OF_A_LAW})
     layers.append(Layer("command line", words, OPTIONS))
     return RunSpec.from_layers(layers, faults).with_code(code)
@@ -194,12 +196,15 @@ def _read_spec(namespace: argparse.Namespace) -> RunSpec:
 
 
 def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:
-    """The run with what its certificate says of its FMU, if it has one: whether it does the same twice.
+    """The run with what its certificate says of its FMUs, if it has any: whether they do the same twice.
 
     :param stderr: whether to print a line on it there.
 
-    :raises InputError: the FMU cannot be the plant.
+    :raises InputError: an FMU cannot be the plant or the controller.
     """
+    note = spec.law.given.check(scenario, spec) if spec.law.given is not None else ""
+    if note:
+        say(f"note: {note}", stderr)
     if spec.plant_fmu is None:
         return spec
     # This loads the plant, and native code.

@@ -27,6 +27,7 @@ CONTROLLERS = {
     "python": "railhil.controller_node.given.python:PythonFile",
     "folder": "railhil.controller_node.c_controller.folder:ControllerFolder",
     "library": "railhil.controller_node.given.library:SharedLibrary",
+    "fmu": "railhil.controller_node.fmu:FmuController",
 }
 #: Packages with the laws that come with railhil, by their group. A module there is a law: a class, the module's name
 #: in capitals (``mm_gpc``: ``MmGpc``). A package may have ``ORDER``, the order of its laws in every list.

@@ -14,7 +14,7 @@ from zipfile import BadZipFile, ZipFile
 
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.extras import missing_library
-from railhil.common.user_files import open_given
+from railhil.common.user_files import open_given, refuse_unreadable
 from railhil.fmu.names import RAW, Input, Named, Output, Quantities, equal_names, factors_of, read_names
 from railhil.scenarios.plant_fmu import FMU_BYTES_MAX
 
@@ -133,7 +133,11 @@ class Fmu:
 
     def _check_size(self) -> None:
         try:
-            with open_given(self.file, FMU_BYTES_MAX) as stream, ZipFile(stream) as archive:
+            with (
+                refuse_unreadable(self.file, "an FMU"),
+                open_given(self.file, FMU_BYTES_MAX) as stream,
+                ZipFile(stream) as archive,
+            ):
                 unpacked = sum(member.file_size for member in archive.infolist())
         except BadZipFile as error:
             raise InputError(self.file, "archive", Words("is no zip archive"), "an FMU", str(error)) from None

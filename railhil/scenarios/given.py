@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from railhil.scenarios.run_spec import RunSpec
 
 OPTION = "--controller"
+#: The same for an FMU, and for the file with the names of its variables.
+FMU_OPTION, FMU_MAP_OPTION = "--controller-fmu", "--controller-fmu-map"
 #: Key of the certificate.
 KEY = "given_controller"
 #: Entry point group of the kinds.
@@ -26,6 +28,8 @@ GROUP = "railhil.controllers"
 _BYTES_MAX = 500_000_000
 #: Texts of :meth:`GivenController.as_json` that a record needs.
 _RECORDED = ("form", "text", "label", "sha256")
+#: Whether two equal runs gave the same (None: unknown), and the reason if not.
+FINDINGS = ("deterministic", "deterministic_why")
 #: No law has one of these in its name.
 _MARKS = frozenset("./:")
 
@@ -51,6 +55,8 @@ class GivenController(ABC):
 
     def __init__(self, text: str) -> None:
         self.text = text
+        #: What :meth:`check` found, for the certificate: keys of :data:`FINDINGS`.
+        self.findings: dict[str, Any] = {}
 
     @classmethod
     @abstractmethod
@@ -67,6 +73,13 @@ class GivenController(ABC):
 
         :raises InputError: it cannot be loaded, built or started, or does not fit the system of the scenario.
         """
+
+    def check(self, scenario: AnyScenario, run: RunSpec) -> str:
+        """Check it before a run, for :attr:`findings`; returns a note on them, or nothing.
+
+        :raises InputError: as :meth:`make_node`.
+        """
+        return ""
 
     @property
     def label(self) -> str:
@@ -100,7 +113,8 @@ class GivenController(ABC):
         :raises InputError: a file cannot be read.
         """
         hashes = self.hashes()
-        return {"form": self.form, "text": self.text, "label": self.label, "sha256": self.digest, "files": hashes}
+        found = {"form": self.form, "text": self.text, "label": self.label, "sha256": self.digest, "files": hashes}
+        return {**found, **self.findings}
 
 
 def given_controller(text: str) -> GivenController | None:
@@ -156,6 +170,7 @@ class RecordedController(GivenController):
         """
         now, was = given.as_json(), self._recorded.get("files")
         if self._recorded["sha256"] == now["sha256"]:
+            given.findings = {key: self._recorded[key] for key in FINDINGS if key in self._recorded}
             return
         for name, before in zip(now["files"], was.values() if isinstance(was, Mapping) else (), strict=False):
             if now["files"][name] != before:

@@ -28,7 +28,7 @@ from railhil.common.command_line import (
 )
 from railhil.common.errors import InputError, Sentence
 from railhil.common.patience import APPEAR_S, PATIENCE_S
-from railhil.scenarios.given import NamedCode, given_controller, refuse_beside
+from railhil.scenarios.given import FMU_MAP_OPTION, FMU_OPTION, NamedCode, given_controller, refuse_beside
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -70,6 +70,11 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "--fault": {
         "type": normalise_fault, "action": "append", "default": [], "metavar": "TEXT",
         "help": 'inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
+    },
+    FMU_OPTION: {"metavar": "FILE", "help": "this FMU is the controller, native code (needs the extra [fmi])"},
+    FMU_MAP_OPTION: {
+        "metavar": "FILE",
+        "help": f"names of its variables (default: FILE of {FMU_OPTION} with .toml, or those of the readings)",
     },
     # The law, and the way to run it.
     "--controller": {"metavar": "LAW", "help": "control law (default: that of the system), or a controller of yours"},
@@ -159,9 +164,15 @@ def add_fmu_options(parser: argparse.ArgumentParser) -> None:
     add_options(parser, OPTION, MAP_OPTION)
 
 
+def add_controller_fmu_options(parser: argparse.ArgumentParser) -> None:
+    """Options that name an FMU as the controller, for a command with ``--controller``."""
+    add_options(parser, FMU_OPTION, FMU_MAP_OPTION)
+
+
 def add_code_options(parser: argparse.ArgumentParser) -> None:
     """Options that name the code of a recorded run again."""
     add_fmu_options(parser)
+    add_controller_fmu_options(parser)
     add_option(parser, "--controller", metavar="CODE", help="the controller of the run, if it was not a law")
 
 
@@ -221,8 +232,26 @@ def named_code(namespace: argparse.Namespace) -> NamedCode:
 
     :raises InputError: like :func:`named_fmu` and :func:`~railhil.scenarios.given.given_controller`.
     """
-    controller = getattr(namespace, "controller", None)
+    controller = named_controller(namespace)
     return NamedCode(named_fmu(namespace), None if controller is None else given_controller(controller))
+
+
+def named_controller(namespace: argparse.Namespace) -> str | None:
+    """The text of ``--controller``, or that of an FMU; None: there is neither.
+
+    :raises InputError: two controllers, or the names of an FMU without an FMU.
+    """
+    text: str | None = getattr(namespace, "controller", None)
+    if namespace.controller_fmu is None:
+        if namespace.controller_fmu_map is not None:
+            only = Sentence(f"used only with {FMU_OPTION}")
+            raise InputError("command line", FMU_MAP_OPTION, namespace.controller_fmu_map, only)
+        return text
+    if text is not None:
+        only = Sentence("used only without --controller")
+        raise InputError("command line", FMU_OPTION, namespace.controller_fmu, only)
+    names = namespace.controller_fmu_map
+    return namespace.controller_fmu if names is None else f"{namespace.controller_fmu}:{names}"
 
 
 def named_fmu(namespace: argparse.Namespace) -> PlantFmu | None:
