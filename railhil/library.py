@@ -25,7 +25,7 @@ from railhil.judge.signals import Signals
 from railhil.record.hash_list import check_hash_list
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
-from railhil.run.spec import Parameters, Settings, Texts, bus_of, checked_spec, settings_of, spec_of, texts_of
+from railhil.run.spec import Parameters, Settings, Texts, bus_of, checked_spec, named_laws, settings_of, spec_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.run_spec import RunSpec, StartUp
 
@@ -150,7 +150,7 @@ class CampaignOutcome:
 def campaign(
     scenario: str | Path = USUAL_SCENARIO,
     *,
-    laws: Texts = (USUAL_LAW,),
+    laws: Any = (USUAL_LAW,),
     runs: int = 1000,
     first_seed: int = 1000,
     arithmetic: str = "float64",
@@ -164,7 +164,8 @@ def campaign(
 ) -> CampaignOutcome:
     """Perturbed runs of one or several laws on the same seeds (needs the extra ``campaign``).
 
-    :param laws: one name or several, or ``"all"``.
+    :param laws: one or several, or ``"all"``: names of laws, texts as for :func:`run`, or functions and classes at the
+        top of a file.
     :param parameters: one parameter file or several, each for one of the laws.
     :param both: run these laws also with their own parameters.
     :param jobs: processes; -1: one per core. A script with threads of its own must not begin a campaign again when it
@@ -176,32 +177,34 @@ def campaign(
 
     need("pyarrow", "campaign")
     from railhil.batch import say_compiling
-    from railhil.batch.nodes import kernel_of
     from railhil.campaign.plan import Request, make_plan
     from railhil.campaign.study import CAMPAIGN
     from railhil.study.engines import running
     from railhil.study.execute import execute
     from railhil.study.manifest import checked_request
+    from railhil.study.perturbed_runs import how_made
 
+    texts, code = named_laws(laws)
     files = (parameters,) if isinstance(parameters, str | Path) else parameters
     request = Request(
         scenario=stable_name(str(scenario)),
         settings=settings_of(settings),
         runs=runs,
         first_seed=first_seed,
-        laws=texts_of(laws),
+        laws=texts,
         both=both,
         arithmetic=arithmetic,
         indexing=indexing,
         parameters=tuple(str(Path(file).resolve()) for file in files),
         allow_training_seeds=allow_training_seeds,
     )
-    plan = make_plan(checked_request(CAMPAIGN, request, Path("railhil.campaign")))
+    plan = make_plan(checked_request(CAMPAIGN, request, Path("railhil.campaign")), code)
 
     def say(sentence: str) -> None:
         print(sentence, file=sys.stderr)
 
-    if (kernel := kernel_of(plan.scenario)) is not None:
+    _, kernel = how_made(plan.scenario, [entry.law for entry in plan.entries])
+    if kernel is not None:
         need("numba", "campaign")
         say_compiling(say, kernel)
     with running("processes", say, None if jobs == -1 else jobs) as engine:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 from urllib.parse import quote
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from railhil.batch.nodes import batch_of
 from railhil.common.command_line import INDEXINGS, SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.controller import make_controller_node
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
+from railhil.scenarios.given import GivenController, RecordedController, is_law_name
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -33,9 +35,16 @@ RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 
 
-def _known_laws() -> list[str]:
-    """Laws of all installed systems; whether one fits the scenario is seen when the plan is made."""
-    return [*dict.fromkeys(law for name in system_names() for law in system_named(name).law_names()), ALL_LAWS]
+#: The controllers of the user that a command line or a call names, by their texts.
+Code = Mapping[str, GivenController]
+
+
+def _check_law(text: str) -> str:
+    """Laws of all installed systems, and texts of code; whether one fits is seen when the plan is made."""
+    known = [*dict.fromkeys(law for name in system_names() for law in system_named(name).law_names()), ALL_LAWS]
+    if is_law_name(text) and text not in known:
+        raise ValueError(f"one of {', '.join(known)}")
+    return text
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +56,7 @@ class Request:
     settings: tuple[str, ...] = ()
     runs: Annotated[int, Field(ge=1, le=RUNS_MAX)] = 1000
     first_seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = FIRST_SEED
-    laws: tuple[Annotated[str, one_of(_known_laws)], ...] = ()
+    laws: tuple[Annotated[str, AfterValidator(_check_law)], ...] = ()
     both: bool = False
     arithmetic: Annotated[str, one_of(arithmetics)] = "float64"
     indexing: Annotated[str, one_of(INDEXINGS)] = "time"
@@ -58,7 +67,10 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One law with its parameters: a row of every table. ``law_sha256``: :func:`railhil.study.plan.law_sha256`."""
+    """One law with its parameters, or a controller of the user: a row of every table.
+
+    ``law_sha256``: :func:`railhil.study.plan.law_sha256`, or the digest of the controller.
+    """
 
     law: LawSpec
     law_sha256: str
@@ -181,20 +193,31 @@ class Plan:
                     "law_sha256": entry.law_sha256,
                     "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
                     "training_seeds": self.training(entry),
+                    **({} if entry.law.given is None else {"form": entry.law.given.form}),
                 }
                 for entry in self.entries
             ],
         }
 
 
-def _entries(request: Request, system: System) -> tuple[Entry, ...]:
+def _given_entry(request: Request, text: str, code: Code) -> Entry:
+    if text not in code:
+        allowed = "--laws on the command line: a controller is code, which no file can load"
+        raise InputError("campaign", "laws", text, allowed)
+    given = code[text]
+    if given.arithmetic != request.arithmetic:
+        raise InputError("command line", "--arithmetic", request.arithmetic, f"{given.arithmetic}, that of {text}")
+    return Entry(LawSpec.of_given(given, request.indexing), given.digest)
+
+
+def _entries(request: Request, system: System, code: Code) -> tuple[Entry, ...]:
     files = [load_parameters(Path(name)) for name in request.parameters]
     known = system.law_names()
     wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (system.law,)
     if wanted == (ALL_LAWS,):
         wanted = known
     for name in wanted:
-        if name not in known:
+        if is_law_name(name) and name not in known:
             allowed = f"all, or some of {', '.join(known)}"
             raise InputError("command line", "--laws", name, allowed, did_you_mean(name, known))
     for file in files:
@@ -202,6 +225,9 @@ def _entries(request: Request, system: System) -> tuple[Entry, ...]:
             raise InputError(file.source, "law", file.law, f"one of the laws of the campaign: {', '.join(wanted)}")
     found: list[Entry] = []
     for name in wanted:
+        if not is_law_name(name):
+            found.append(_given_entry(request, name, code))
+            continue
         sets: list[ParameterSet | None] = [file for file in files if file.law == name]
         if request.both or not sets:
             sets.insert(0, None)
@@ -213,9 +239,10 @@ def _entries(request: Request, system: System) -> tuple[Entry, ...]:
     return tuple(found)
 
 
-def make_plan(request: Request) -> Plan:
+def make_plan(request: Request, code: Code | None = None) -> Plan:
     """Load everything that the request names and check that every law can be made from it.
 
+    :param code: controllers of the user that command line or call names; without it the request must name none.
     :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
         tuned or chosen (unless the request allows them).
     """
@@ -225,9 +252,10 @@ def make_plan(request: Request) -> Plan:
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
         raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
-    plan = Plan(request, scenario, _entries(request, system))
+    plan = Plan(request, scenario, _entries(request, system, code or {}))
     for entry in plan.entries:
-        system.part("controller")(scenario, entry.law)
+        if not isinstance(entry.law.given, RecordedController):
+            make_controller_node(scenario, RunSpec(law=entry.law)).close()
         if not request.allow_training_seeds:
             check_unseen(scenario, entry.law, plan.seeds)
     return plan

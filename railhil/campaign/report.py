@@ -18,9 +18,10 @@ from railhil.record.hash_list import REPORT, check_hash_list, listed_file
 from railhil.report.distribution import Spread, limits_of, picture
 from railhil.report.styles import styles
 from railhil.report.templates import script, styles_text, template
+from railhil.scenarios.given import KEY, RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
-from railhil.study.manifest import read_manifest
+from railhil.study.manifest import Manifest, read_manifest
 from railhil.study.table import numbers
 
 #: Folder inside the campaign's folder for runs that are made again.
@@ -82,13 +83,25 @@ def _worst(label: str, run: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     }
 
 
+def _recorded(begun: Manifest, file: Path) -> dict[str, RecordedController]:
+    """The controllers of users: named as in the campaign, and not loaded."""
+    texts = [text for text in begun.request.laws if not is_law_name(text)]
+    found = {}
+    for text, law in zip(texts, (law for law in begun.identity["laws"] if "form" in law), strict=True):
+        recorded = {"form": law["form"], "text": text, "label": law["label"], "sha256": law["law_sha256"]}
+        how = {"controller": law["law"], "arithmetic": begun.identity["arithmetic"]}
+        found[text] = RecordedController({KEY: recorded, **how}, file)
+    return found
+
+
 def report_of(folder: Path, out: Path) -> None:
     """Write the report of a finished campaign from its folder.
 
     :raises InputError: the campaign is not finished, damaged, changed, or of a scenario that has changed since.
     :raises OSError: it cannot be written.
     """
-    plan = make_plan(read_manifest(folder, CAMPAIGN).request)
+    begun = read_manifest(folder, CAMPAIGN)
+    plan = make_plan(begun.request, _recorded(begun, folder / CAMPAIGN.manifest))
     check_hash_list(folder, CAMPAIGN.manifest, None)
     summary, table = finished_summary(CAMPAIGN, folder), finished_rows(CAMPAIGN, plan, folder)
     told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)

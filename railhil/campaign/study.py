@@ -40,7 +40,9 @@ class ChunkWork:
     training: tuple[int, ...]
 
     def code(self) -> tuple[str, ...]:
-        return bench_sha256(), batch_sha256(), law_sha256(self.chunk.entry.law.controller, self.scenario.system)
+        law = self.chunk.entry.law
+        own = law_sha256(law.controller, self.scenario.system) if law.given is None else law.given.digest
+        return bench_sha256(), batch_sha256(), own
 
     def rows(self) -> pa.Table:
         entry = self.chunk.entry
@@ -55,8 +57,10 @@ def _work(plan: Plan, chunk: Chunk) -> ChunkWork:
 
 def _explained(plan: Plan) -> Mapping[str, Any]:
     sets = {entry.label: entry.parameters for entry in plan.entries}
+    given = {entry.label: entry.law.given.as_json() for entry in plan.entries if entry.law.given is not None}
     return {
         "parameters": {label: dict(one.values) for label, one in sets.items() if one is not None},
+        **({"given_controllers": given} if given else {}),
         **machine_and_list(),
         "libraries": {name: version(name) for name in _LIBRARIES},
     }
@@ -79,7 +83,7 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
         words = " ".join(run.words)
         raise BenchInvalid(f"the bench gave exit code {result.exit_code} for railhil run {words}: {result.line}")
     score = result.score
-    if plan.batch is None:
+    if plan.batch is None or run.law.given is not None:
         digest = result.frames_sha256[:DIGITS]
     else:
         digest = plan.scenario.installed_system.part("digest")(plan.scenario, result.trace)

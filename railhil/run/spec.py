@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +12,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.command_line import BUSES
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.record.run_folder import PARAMETERS
@@ -74,6 +76,32 @@ def brought_controller(controller: Any) -> GivenController | None:
     from railhil.controller_node.given.python import PythonObject
 
     return PythonObject(controller)
+
+
+def named_laws(laws: Any) -> tuple[tuple[str, ...], dict[str, GivenController]]:
+    """The laws of :func:`railhil.campaign` as texts, and the controllers among them.
+
+    A function or class becomes the text by which other processes find it.
+
+    :raises InputError: one of them is neither a text nor found in a file.
+    """
+    several = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else (laws,)
+    texts = tuple(law if isinstance(law, str) else _text_of(law) for law in several)
+    given = {text: given_controller(text) for text in texts}
+    return texts, {text: one for text, one in given.items() if one is not None}
+
+
+def _text_of(code: Any) -> str:
+    name, file = getattr(code, "__qualname__", ""), ""
+    if inspect.isfunction(code) or inspect.isclass(code):
+        module = sys.modules.get(code.__module__)
+        file = (getattr(module, "__file__", None) or "") if getattr(module, name, None) is code else ""
+    if not file.endswith(".py"):
+        allowed = (
+            "a name, FILE.py:NAME, or a function or class at the top of a file: other processes load it from there"
+        )
+        raise InputError("railhil.campaign", "laws", Words(name or f"a {type(code).__name__}"), allowed)
+    return f"{file}:{name}"
 
 
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:

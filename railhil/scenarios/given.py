@@ -117,12 +117,17 @@ class GivenController(ABC):
         return {**found, **self.findings}
 
 
+def is_law_name(text: str) -> bool:
+    """Whether a text of ``--controller`` names a law; if not, it names code."""
+    return _MARKS.isdisjoint(text)
+
+
 def given_controller(text: str) -> GivenController | None:
     """The controller that a text of ``--controller`` names; None: the text is the name of a law.
 
     :raises InputError: it is neither, or the controller cannot be read.
     """
-    if _MARKS.isdisjoint(text):
+    if is_law_name(text):
         return None
     kinds: list[type[GivenController]] = [entry.load() for entry in entries(GROUP).values()]
     for kind in kinds:
@@ -159,6 +164,10 @@ class RecordedController(GivenController):
     @property
     def label(self) -> str:
         return str(self._recorded["label"])
+
+    @property
+    def digest(self) -> str:
+        return str(self._recorded["sha256"])
 
     def as_json(self) -> dict[str, Any]:
         return self._recorded

@@ -4,8 +4,9 @@ code."""
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Generic, get_type_hints
@@ -17,6 +18,7 @@ from railhil.common.extras import need
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.scenarios.given import GivenController
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option
 from railhil.study.engines import running
@@ -86,19 +88,21 @@ def _given(request: Any, namespace: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None and value is not False and value != []}
 
 
-def _check_options(request: Any, namespace: argparse.Namespace, beside: str, without: Sequence[str] = ()) -> None:
+def _check_options(
+    request: Any, namespace: argparse.Namespace, beside: Sequence[str], without: Sequence[str] = ()
+) -> None:
     """Refuse options that do not go together.
 
     :param request: class of the requests.
-    :param beside: option that goes with ``--verify``, besides ``--draw``.
+    :param beside: options that go with ``--verify``, besides ``--draw``; the first is named in the error.
     :param without: further options that do not go with it. :raises InputError: there are such options.
     """
     if namespace.verify is not None:
         names = [_ATTRIBUTE.get(name, name) for name in _given(request, namespace)]
         names += [name for name in ("out", "resume", "shard", *without) if getattr(namespace, name)]
-        if extra := [name for name in names if name != beside]:
+        if extra := [name for name in names if name not in beside]:
             option = extra[0] if extra[0] == "scenario" else f"--{extra[0].replace('_', '-')}"
-            allowed = Sentence(f"cannot be given with {option}, only with --{beside} and --draw")
+            allowed = Sentence(f"cannot be given with {option}, only with --{beside[0]} and --draw")
             raise InputError("command line", "--verify", option, allowed)
     if namespace.resume is not None and namespace.out is not None:
         raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --resume"))
@@ -132,7 +136,9 @@ class Command(Generic[P]):
     says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
     with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
     line) -> name and number of processes (None: one per core). ``how``: (plan) -> remark on the making of the runs
-    (empty: none), and the module with compiled loops (None: nothing is compiled).
+    (empty: none), and the module with compiled loops (None: nothing is compiled). ``code``: (command line) ->
+    controllers of the user that its ``--laws`` name, by their texts; then the study's ``make_plan`` takes them as
+    ``code``.
     """
 
     name: str
@@ -144,30 +150,35 @@ class Command(Generic[P]):
     check: Callable[[argparse.Namespace], None]
     engine: Callable[[argparse.Namespace], tuple[str, int | None]]
     how: Callable[[P], tuple[str, str | None]]
+    code: Callable[[argparse.Namespace], Mapping[str, GivenController]] = lambda namespace: {}
 
     def main(self, words: Sequence[str] | None = None) -> int:
         """Run, resume or verify; returns the exit code."""
         return run_command(self.arguments(), words, self._work)
 
     def _work(self, namespace: argparse.Namespace) -> int:
-        _check_options(self.request, namespace, self.verified[0], self.only_run)
+        code = self.code(namespace)
+        # A controller of the user is named again.
+        beside = (self.verified[0], "laws") if code else (self.verified[0],)
+        _check_options(self.request, namespace, beside, self.only_run)
         self.check(namespace)
         need("pyarrow", "campaign", self.name)
-        return self._verify(namespace) if namespace.verify is not None else self._run(namespace)
+        study = self._study(code)
+        return self._verify(namespace, study, code) if namespace.verify is not None else self._run(namespace, study)
 
-    def _study(self) -> Study[P, Any]:
+    def _study(self, code: Mapping[str, GivenController]) -> Study[P, Any]:
         module, _, name = self.study.partition(":")
         found: Study[P, Any] = getattr(import_module(module), name)
-        return found
+        return replace(found, make_plan=partial(found.make_plan, code=code)) if code else found
 
-    def _verify(self, namespace: argparse.Namespace) -> int:
+    def _verify(self, namespace: argparse.Namespace, study: Study[P, Any], code: Mapping[str, GivenController]) -> int:
         import numpy as np
 
         from railhil.study.finished import finished_rows, repeated_plan
 
-        study, folder = self._study(), Path(namespace.verify)
+        folder = Path(namespace.verify)
         console, kind, made, bad = Output(stderr=namespace.json), study.kind, [], 0
-        plan, is_other_code = repeated_plan(study, folder)
+        plan, is_other_code = repeated_plan(study, folder, **({"laws": namespace.laws} if code else {}))
         if is_other_code:
             said = f"the code has changed since the {kind}: a difference may come from that"
             console.say(said, style="bold yellow")
@@ -186,7 +197,7 @@ class Command(Generic[P]):
         console.say(f"{len(made) - bad} of {len(made)} runs are the same on the bench")
         return FAIL if bad else PASS
 
-    def _run(self, namespace: argparse.Namespace) -> int:
+    def _run(self, namespace: argparse.Namespace, study: Study[P, Any]) -> int:
         from rich.console import Console
 
         from railhil.batch import say_compiling
@@ -194,7 +205,7 @@ class Command(Generic[P]):
         from railhil.study.manifest import read_manifest
 
         check_key(namespace.sign)
-        study, resumed = self._study(), namespace.resume
+        resumed = namespace.resume
         begun = study.request() if resumed is None else read_manifest(Path(resumed), study).request
         plan = study.make_plan(request_from(begun, namespace))
         console = Console(stderr=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,15 +33,16 @@ class Verified:
     differences: Mapping[str, tuple[Any, Any]]
 
 
-def repeated_plan(study: Study[P, C], folder: Path) -> tuple[P, bool]:
+def repeated_plan(study: Study[P, C], folder: Path, **named: Any) -> tuple[P, bool]:
     """The plan of a study, made with the present installation, and whether the code has changed since, so that a
     difference need not be a defect.
 
+    :param named: fields of the request that the command line names again.
     :raises InputError: scenario, parameters or laws have changed since, or a file of the folder.
     """
     begun = read_manifest(folder, study)
     check_hash_list(folder, study.manifest, None)
-    plan = study.make_plan(begun.request)
+    plan = study.make_plan(replace(begun.request, **named))
     ours = json.loads(json.dumps(plan.identity))
     begun_same = {key: begun.identity.get(key) for key in ours}
     differing = list(differing_values(begun_same, ours, study.kind))

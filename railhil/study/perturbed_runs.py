@@ -23,12 +23,18 @@ def run_seeds(scenario: AnyScenario, law: LawSpec, seeds: Sequence[int]) -> Batc
 
     :raises InputError: the law cannot be made, or has failed.
     """
-    result: Batch = (batch_of(scenario) or run_nodes)(Case(scenario, law), seeds)
+    made_by = run_nodes if law.given is not None else batch_of(scenario) or run_nodes
+    result: Batch = made_by(Case(scenario, law), seeds)
     return result
 
 
-def how_made(scenario: AnyScenario) -> tuple[str, str | None]:
-    """A remark if the runs are made one by one, else empty; the module with the compiled loops, None without any."""
+def how_made(scenario: AnyScenario, laws: Sequence[LawSpec] = ()) -> tuple[str, str | None]:
+    """A remark if the runs are made one by one, else empty; the module with the compiled loops, None without any.
+
+    :param laws: that are run, where that is known.
+    """
+    if laws and all(law.given is not None for law in laws):
+        return "code of a user goes through the nodes, one run after the other", None
     if batch_of(scenario) is None:
         return f"no batch of trains for system {scenario.system}: every run goes through the nodes, one by one", None
     return one_by_one(scenario), kernel_of(scenario)
@@ -38,8 +44,10 @@ def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[in
     """The given seeds on which the law's parameters were tuned, or its own ones chosen.
 
     The law's own seeds count also with a parameter file, because parameters that it does not name keep the law's own
-    values.
+    values. A controller that is no law has none.
     """
+    if law.given is not None:
+        return []
     tuned = set() if law.parameters is None else set(law.parameters.find_seen(seeds))
     declared = law_named(law.controller, scenario.system).design_seeds
     return sorted(tuned.union(chosen_on(declared, scenario, seeds)))

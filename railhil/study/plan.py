@@ -88,7 +88,7 @@ class Study(Generic[P, C]):
     name: str
     kind: str
     request: type[Any]
-    make_plan: Callable[[Any], P]
+    make_plan: Callable[..., P]
     columns: Callable[[P], pa.Schema]
     check_rows: Callable[[pa.Table, P, C], None]
     work: Callable[[P, C], Work]
