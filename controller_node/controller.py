@@ -30,6 +30,9 @@ class AnyController(Protocol):
     def close(self) -> None:
         """End what computes for it outside of this process."""
 
+    def figures(self) -> dict[str, Any] | None:
+        """What was measured on its board; None: nothing, or it has none."""
+
     @property
     def lockstep(self) -> bool:
         """True unless the pace is known to follow the wall clock."""

@@ -11,8 +11,8 @@ from typing import Any, Protocol
 
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.frame import Frame
-from railhil.bus.ident import Role
-from railhil.bus.mvb import F_DEVICE_STATUS, parse_master_frame
+from railhil.bus.ident import CtlIdent, Role
+from railhil.bus.mvb import F_DEVICE_STATUS, check_sequence, parse_master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
@@ -21,6 +21,7 @@ from railhil.controller_node.laws import law_class
 from railhil.scenarios.given import GivenController
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.scenario_documents import nominal_sha256
 
 
 class Outside(Protocol):
@@ -31,6 +32,9 @@ class Outside(Protocol):
 
         :raises InputError: it has ended, does not answer, or says that it cannot go on.
         """
+
+    def figures(self) -> dict[str, Any] | None:
+        """What was measured on it, for :data:`railhil.scenarios.given.TARGET`; None: nothing."""
 
     def close(self) -> None:
         """End it."""
@@ -56,8 +60,15 @@ class ForeignNode:
         self._responder = Responder(Role.CONTROLLER, schedule, sinks, {}, contract=contract, paced=False)
         self._responder.on(RunEvent, self._event)
         self._poll_id = contract.poll_id
-        self._own = {(one.f_code, one.address) for one in contract.ports if one.source == "controller"}
-        self._own.add((F_DEVICE_STATUS, Role.CONTROLLER))
+        own = (one for one in contract.ports if one.source == "controller")
+        # Last identifier of the answer to each poll.
+        self._own = {(one.f_code, one.address): one.can_ids[-1] for one in own}
+        self._own[F_DEVICE_STATUS, Role.CONTROLLER] = contract.device_status_id
+        ident = contract.port(CtlIdent.PORT)
+        self._ident_polled = (ident.f_code, ident.address)
+        self._stated = self._nominal = bytes.fromhex(scenario.sha256[:8])
+        if scenario.faults:
+            self._nominal = bytes.fromhex(nominal_sha256(scenario)[:8])
         self._outside = outside
         self._waiting: list[Frame] = []
         self.law = law
@@ -75,9 +86,25 @@ class ForeignNode:
                 # It hears the end of the run.
                 self._hand_over()
             return []
-        if parse_master_frame(frame.data) not in self._own:
+        polled = parse_master_frame(frame.data)
+        if polled not in self._own:
             return []
-        return self._hand_over()
+        answer = self._hand_over()
+        if polled == self._ident_polled:
+            return self._state_run(answer)
+        last = self._own[polled]
+        if not self.lockstep or any(one.can_id == last for one in answer):
+            return answer
+        # The bus administrator does not wait for an answer, or the end of one, that never comes.
+        return [*answer, Frame(last, b"")]
+
+    def _state_run(self, answer: list[Frame]) -> list[Frame]:
+        """Its CTL_IDENT, of the run with its faults: they are the bench's, and an export knows only its scenario."""
+        if len(answer) < 2 or answer[0].data[:4] != self._nominal or self._nominal == self._stated:
+            return answer
+        first = Frame(answer[0].can_id, self._stated + answer[0].data[4:])
+        last = Frame(answer[-1].can_id, bytes((check_sequence(first.data),)) + answer[-1].data[1:])
+        return [first, *answer[1:-1], last]
 
     def _hand_over(self) -> list[Frame]:
         frames, self._waiting = self._waiting, []
@@ -97,6 +124,10 @@ class ForeignNode:
 
     def was_stopped(self, sim_ns: int) -> None:
         """It has a time of its own."""
+
+    def figures(self) -> dict[str, Any] | None:
+        """See :class:`Outside`."""
+        return self._outside.figures()
 
     def close(self) -> None:
         """End it."""

@@ -79,6 +79,9 @@ class LawNode:
         """True unless the pace is known to follow the wall clock."""
         return not self._clock.rate
 
+    def figures(self) -> None:
+        """It has no board."""
+
     def close(self) -> None:
         """End what computes for it outside of this process."""
         if self.ends is not None:

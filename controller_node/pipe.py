@@ -31,6 +31,9 @@ class ControllerFailed(InputError):
     """The controller at the other end has ended, does not answer, answers what no controller sends, or has said itself
     that it cannot go on."""
 
+    #: The frames that it sent before.
+    frames: Sequence[Frame] = ()
+
 
 @dataclass(frozen=True, slots=True)
 class Answer:
@@ -122,9 +125,16 @@ class Pipe:
 
         :raises ControllerFailed: see there.
         """
+        answers: list[Frame] = []
+        try:
+            return self._exchange(frames, answers)
+        except ControllerFailed as error:
+            error.frames = answers
+            raise
+
+    def _exchange(self, frames: Sequence[Frame], answers: list[Frame]) -> Answer:
         until_s = time.monotonic() + self._patience_s
         self._send(encode(frames), until_s)
-        answers: list[Frame] = []
         while True:
             self._wait(self._arrives, until_s)
             octets = os.read(self._input, _READ_OCTETS)

@@ -17,6 +17,7 @@ from railhil.controller_node.cost import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.note import slots
 from railhil.controller_node.telemetry import QuantityTelemetry
+from railhil.scenarios.given import TARGET
 from railhil.scenarios.system import System
 
 
@@ -103,14 +104,18 @@ def _memory(controller: Any) -> dict[str, Any]:
 
 
 def write_telemetry(node: AnyController, path: Path) -> None:
-    """Write the complete document; none for a controller that states nothing of its own.
+    """Write the complete document; for a controller that states nothing of its own, what was measured on its board, as
+    :data:`railhil.scenarios.given.TARGET` beside it.
 
     If the disk is full, the file is lost and a line is printed to stderr, but the run itself is still valid.
     """
-    if node.controller is None:
-        # A program or a board of somebody else.
+    if node.controller is not None:
+        document = telemetry_document(node)
+    elif (figures := node.figures()) is not None:
+        document, path = figures, path.with_name(TARGET)
+    else:
         return
-    text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
+    text = json.dumps(document, indent=2, allow_nan=False) + "\n"
     try:
         with whole_file(path) as draft:
             draft.write_text(text, encoding="utf-8")

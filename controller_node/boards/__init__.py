@@ -136,13 +136,15 @@ class Board:
         sources: Sequence[str],
         include: Sequence[str] = (".",),
         *,
+        out: Path | None = None,
         main: str = "",
         arguments: Sequence[str] = (),
         optimisation: str = "-O2",
     ) -> Image:
-        """The image of a controller, compiled in ``folder/build/BOARD-DIGEST`` unless it is there already.
+        """The image of a controller, compiled in ``OUT/BOARD-DIGEST`` unless it is there already.
 
         :param sources: C files of the controller, relative to the folder, as are the folders ``include``.
+        :param out: None: ``build`` in the folder.
         :param main: file of ``common/`` with the main loop; empty: that of the board's link.
         :param arguments: further ones for the compiler.
         :raises InputError: the compiler is missing or refuses a file, or the folder cannot be written.
@@ -161,7 +163,7 @@ class Board:
         for file in read:
             with refuse_unreadable(file, "a file of the controller"):
                 digest.update(file.name.encode() + b"\0" + file.read_bytes())
-        place = folder / "build" / f"{self.name}-{digest.hexdigest()[:12]}"
+        place = (out or folder / "build") / f"{self.name}-{digest.hexdigest()[:12]}"
         with refuse_unwritable("--controller", place, "folder"):
             place.parent.mkdir(exist_ok=True)
             with (place.parent / ".lock").open("w") as lock:

@@ -181,6 +181,7 @@ class Emulator:
             "emulator": self.version,
             "control_periods": len(self._ticks),
             "instructions": None if counts is None else counts._asdict(),
+            "console": [*self.console, *(self._pipe.console if self._pipe is not None else ())],
             "stack_used_octets": self.image.stack_octets - self._free_stack if self._free_stack else None,
         }
 

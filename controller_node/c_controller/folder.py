@@ -143,23 +143,32 @@ class ControllerFolder(OutsideController):
 
     def _make(self, folder: Path, program: str) -> Path:
         """Build the program with the folder's own Makefile; returns where it is."""
-        words = ["make", "-s", "node"]
-        environment = {key: value for key, value in os.environ.items() if key not in _OF_MAKE} | {"LC_ALL": "C"}
-        try:
-            done = subprocess.run(
-                words, cwd=folder, capture_output=True, text=True, errors="replace", check=False, env=environment,
-                stdin=subprocess.DEVNULL, timeout=_BUILD_S,
-            )  # fmt: skip
-        except FileNotFoundError:
-            raise InputError(self.text, "make", Words("is not installed"), "the Debian packages make and gcc") from None
-        except subprocess.TimeoutExpired:
-            raise InputError(self.text, "make", Words(f"takes longer than {_BUILD_S:g} s"), "a build") from None
-        if done.returncode:
-            raise InputError(self.text, "make", Words(first_error(done.stderr)), "files that compile and link")
+        make_says(folder, self.text, "node")
         for found in (folder / program, folder / BUILD / program):
             if found.is_file():
                 return found
         raise InputError(self.text, "make", Words(f"made no {program}"), "the Makefile as it was written")
+
+
+def make_says(folder: Path, text: str, target: str) -> str:
+    """Make a target of the folder's own Makefile; returns what it prints.
+
+    :param text: of the controller, for errors.
+    :raises InputError: it fails.
+    """
+    environment = {key: value for key, value in os.environ.items() if key not in _OF_MAKE} | {"LC_ALL": "C"}
+    try:
+        done = subprocess.run(
+            ["make", "-s", target], cwd=folder, capture_output=True, text=True, errors="replace", check=False,
+            env=environment, stdin=subprocess.DEVNULL, timeout=_BUILD_S,
+        )  # fmt: skip
+    except FileNotFoundError:
+        raise InputError(text, "make", Words("is not installed"), "the Debian packages make and gcc") from None
+    except subprocess.TimeoutExpired:
+        raise InputError(text, "make", Words(f"takes longer than {_BUILD_S:g} s"), "a build") from None
+    if done.returncode:
+        raise InputError(text, "make", Words(first_error(done.stderr)), "files that compile and link")
+    return done.stdout
 
 
 @contextmanager
@@ -244,6 +253,9 @@ class HostProgram:
             name = signal.Signals(-code).name
             return InputError(self._text, "", Words(f"its program was ended by {name}"), "an answer")
         return error
+
+    def figures(self) -> None:
+        """Nothing is measured."""
 
     def close(self) -> None:
         """End the program."""

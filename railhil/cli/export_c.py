@@ -152,8 +152,8 @@ def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
     for name, text in files.items():
         listing.add_row(name, str(len(text)))
     console.print(listing)
-    console.print(f"{size}; not run on a target", soft_wrap=True)
-    console.print(f"wrote {folder}: make -C {folder} check", soft_wrap=True)
+    console.print(f"{size}; not run on a C28x", soft_wrap=True)
+    console.print(f"wrote {folder}: make -C {folder} check, railhil target qemu {folder}", soft_wrap=True)
 
 
 def _list_cycles(stream: LawStream, counts: Counter[str]) -> None:

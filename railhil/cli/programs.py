@@ -40,6 +40,7 @@ PROGRAMS = {
         "railhil.sequences.sequence_command",
         "record runs of a law that learns as one piece of evidence, verify it, make it again",
     ),
+    "target": ("railhil.cli.target", "a controller in C on an emulated board: size, log, instructions"),
     "train-model": ("railhil.learning", "train the network of a law for high-speed trains on a recorded run"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),
     "vcan": (

@@ -122,6 +122,8 @@ def print_result(
         console.say(f"scheduling: {scheduling_sentence(timing)}")
     if result.summary is not None:
         console.say(f"arithmetic: {result.summary.sentence()}")
+    for heading, said in result.target.rows if result.target is not None else ():
+        console.say(f"{heading.lower()}: {said}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     if result.other_frames:
         console.say(f"without {count_of(result.other_frames, 'frame')} of others: sha256 {result.telegrams_sha256}")

@@ -26,6 +26,7 @@ SYSTEMS = {
 CONTROLLERS = {
     "python": "railhil.controller_node.given.python:PythonFile",
     "folder": "railhil.controller_node.c_controller.folder:ControllerFolder",
+    "qemu": "railhil.controller_node.boards.given:EmulatedController",
     "library": "railhil.controller_node.given.library:SharedLibrary",
     "fmu": "railhil.controller_node.fmu:FmuController",
 }

@@ -16,6 +16,7 @@ from railhil.judge.judging import Judging, judging_of
 from railhil.judge.score import Score
 from railhil.record.framelog import LOG_NAME
 from railhil.record.notes import ReportedNote
+from railhil.record.target import Target
 from railhil.record.telemetry import LawOrigin, Learned, ShownTelemetry, TelemetrySummary
 from railhil.record.trace import Trace
 from railhil.scenarios.run_spec import RunSpec
@@ -82,6 +83,8 @@ class Result:
     last_frame_ns: int = 0
     #: The run folder; None: the run has not been recorded, or its folder is gone.
     folder: Path | None = None
+    #: What was measured on the board that was its controller; None: it was none.
+    target: Target | None = None
     #: A run in this process: the counters of each node, and the content of ``telemetry.json``.
     counters: dict[str, dict[str, int]] = field(default_factory=dict)
     telemetry: dict[str, Any] = field(default_factory=dict, repr=False)

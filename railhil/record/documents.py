@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
+from railhil.record.target import Target
 from railhil.scenarios.validation import validate
 
 #: Names in a run folder.
@@ -163,6 +164,7 @@ class _Certificate(_MadeBy):
     command_needs: str | None = None
     dbc_sha256: str | None = None
     hash_list: str | None = None
+    target: Target | None = None
 
 
 class _Headroom(_Part):

@@ -19,6 +19,7 @@ from railhil.charts.figure import Area, Chart, Curve, Figure
 from railhil.common.digits import count_of
 from railhil.judge.jitter import LATE_MS, LATE_SHARE_MAX, PLANT
 from railhil.judge.record import Record
+from railhil.record.target import Target
 from railhil.record.telemetry import Headroom, ShownTelemetry, TelemetrySummary
 from railhil.report.styles import styles
 from railhil.scenarios.parameters import DIGEST_DIGITS
@@ -279,6 +280,8 @@ def facts_of(run: Record) -> list[tuple[str, str]]:
         ("railhil", said("railhil")),
         ("Again with", _command(said("command"))),
     ]
+    if certificate.get("target"):
+        rows += Target.model_validate(certificate["target"]).rows
     if certificate.get("foreign"):
         rows.append(("Other controller", _other(certificate)))
     if certificate.get("attached"):

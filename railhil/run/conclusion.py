@@ -26,6 +26,7 @@ from railhil.record.framelog import telegrams_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.record.notes import untold_wrap
 from railhil.record.senders import Senders
+from railhil.record.target import read_target
 from railhil.record.telemetry import read_notes, read_origin, read_summary, reported, shown_telemetry
 from railhil.record.trace import NodeCounters
 from railhil.run.node_commands import needs_orders
@@ -113,6 +114,7 @@ def judged(
         bus_words=() if choice.is_private else choice.arguments,
         summary=summary or shown_telemetry(trace, judging.status),
         origin=read_origin(run.folder),
+        target=read_target(run.folder),
         notes=read_notes(run.folder, judging.status),
         recorder_counters=counters,
         timing=timing,

@@ -22,6 +22,8 @@ OPTION = "--controller"
 FMU_OPTION, FMU_MAP_OPTION = "--controller-fmu", "--controller-fmu-map"
 #: Key of the certificate.
 KEY = "given_controller"
+#: File of a run folder: what was measured on the board that was the controller.
+TARGET = "target.json"
 #: Entry point group of the kinds.
 GROUP = "railhil.controllers"
 #: Largest file.

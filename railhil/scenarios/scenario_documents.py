@@ -44,6 +44,12 @@ def content_sha256(scenario: AnyScenario) -> str:
     return kind.restore(kind.document(scenario) | {"name": "unnamed"}, Path(SCENARIO)).sha256
 
 
+def nominal_sha256(scenario: AnyScenario) -> str:
+    """``sha256`` of the same scenario without faults."""
+    kind = scenario.installed_system.scenario_kind
+    return kind.restore(kind.document(scenario) | {"faults": []}, Path(SCENARIO)).sha256
+
+
 def read_scenario(path: Path) -> AnyScenario:
     """The scenario in ``scenario.json`` of a run folder.
 

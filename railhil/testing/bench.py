@@ -15,6 +15,7 @@ from railhil.record.documents import CERTIFICATE
 from railhil.record.hash_list import REPORT
 from railhil.run.report import report_line
 from railhil.run.spec import bus_of, checked_spec, spec_of
+from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.live import Live
 from railhil.testing.result import Run
 from railhil.testing.settings import Settings
@@ -59,7 +60,7 @@ class Bench:
         :raises NeverBegan: the nodes refused the run, or no frame came.
         """
         given = self._given(seed, perturbed, spec)
-        made = spec_of(given.pop("scenario"), pace=self.settings.pace, bus=self._kind, **given)
+        made = self._on_target(spec_of(given.pop("scenario"), pace=self.settings.pace, bus=self._kind, **given))
         bus, foreign = self.settings.bus, self.settings.no_controller
         run = Run(library.run(made, bus=bus, no_controller=foreign, out=self._new_folder()))
         self.runs.append(run)
@@ -74,11 +75,19 @@ class Bench:
             found = self.settings.bus
             raise InputError("bench.start", "bus", found, "local: on a bus the test does not hold the clock")
         given = self._given(seed, perturbed, spec)
-        made, scenario = checked_spec(spec_of(given.pop("scenario"), bus="local", **given))
+        made, scenario = checked_spec(self._on_target(spec_of(given.pop("scenario"), bus="local", **given)))
         folder = self._new_folder()
         live = Live(made, scenario, folder, self.runs.append)
         self._live.append(live)
         return live
+
+    def _on_target(self, spec: RunSpec) -> RunSpec:
+        """The run with its law on the target of the session; a controller that the test brings stays as it is."""
+        if not self.settings.target or spec.law.given is not None:
+            return spec
+        from railhil.testing.target import exported
+
+        return exported(spec, self.settings.target, self._folder / "exports")
 
     @property
     def _kind(self) -> str:

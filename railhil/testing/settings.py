@@ -19,23 +19,26 @@ OPTIONS: Mapping[str, str] = {
     "runs": "folder that keeps the run folders of all tests (default: pytest's temporary folder, and of a passed test "
     "only the certificates)",
     "pace": "lockstep (default) or realtime",
+    "target": "emulated board on which the laws of the tests run, exported, such as qemu:cortex-m4f",
     "no-controller": "the controller is a board or another program on the bus",
 }
 FLAG = "no-controller"
 _BUS = re.compile(r"local|auto|hub|[\w.-]+:[^@\s]+(@\d+)?")
+_TARGET = re.compile(r"qemu:[^@]+")
 _SEEDS_MAX = 100_000
 _TRUE, _FALSE = ("1", "true", "yes", "on"), ("", "0", "false", "no", "off")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """``runs``: None for pytest's temporary folder."""
+    """``runs``: None for pytest's temporary folder. ``target``: empty for laws in Python."""
 
     bus: str = "local"
     seeds: tuple[int, ...] = (0,)
     runs: Path | None = None
     pace: str = "lockstep"
     no_controller: bool = False
+    target: str = ""
 
     @property
     def interface(self) -> str:
@@ -75,4 +78,9 @@ def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Sett
     except ArgumentTypeError as error:
         raise ValueError(f"{said['seeds'][1]}: {error}") from None
     runs = said["runs"][0]
-    return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE)
+    target = said["target"][0]
+    if target and not _TARGET.fullmatch(target):
+        raise refused("target", "qemu:BOARD, such as qemu:cortex-m4f")
+    if target and flag in _TRUE:
+        raise refused("target", f"nothing beside --railhil-{FLAG}")
+    return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE, target)

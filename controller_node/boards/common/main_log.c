@@ -11,6 +11,11 @@
 /* Newlib: the standard files of the host. */
 void initialise_monitor_handles(void);
 
+/* Called by exit(); what it does elsewhere is in files that this program is linked without. */
+void _fini(void)
+{
+}
+
 void board_last_words(const char *line)
 {
     puts(line);

@@ -7,12 +7,16 @@
 
 extern uint32_t stack_bottom[], stack_top[], data_start[], data_end[], data_image[], bss_start[], bss_end[];
 
+/* Those of C++. */
+extern void (*const constructors_start[])(void), (*const constructors_end[])(void);
+
 int main(void);
 
 __attribute__((noreturn, used)) static void start(void)
 {
     uint32_t *to;
     const uint32_t *from = data_image;
+    void (*const *constructor)(void);
     for (to = data_start; to < data_end; to++) {
         *to = *from++;
     }
@@ -22,6 +26,9 @@ __attribute__((noreturn, used)) static void start(void)
 #ifdef __ARM_FP
     CPACR |= UINT32_C(0xF) << 20;
 #endif
+    for (constructor = constructors_start; constructor < constructors_end; constructor++) {
+        (*constructor)();
+    }
     main();
     board_stop();
 }

@@ -50,7 +50,7 @@ $(BUILD)/%.cpp.o: %.cpp $(HEADERS)
 
 # For the build for a board: all files without those of the host.
 sources:
-	@echo $(SOURCES) $(RAILHIL_C:%=$(RAILHIL)/%)
+	@echo $(SOURCES) $(RAILHIL_C:%=$(RAILHIL)/%) $(RAILHIL)/railhil_pipe.c
 
 clean:
 	rm -rf $(BUILD)

@@ -111,4 +111,4 @@ def test_force_writes_beside_what_is_there(tmp_path: Path) -> None:
         line.split()[0]: int(line.split()[1]) for line in done.out.splitlines() if re.match(r"\S+\s+\d+\s*$", line)
     }
     assert listed == {path.name: path.stat().st_size for path in tmp_path.iterdir() if path.name != "mine.txt"}
-    assert "not run on a target" in done.out
+    assert "not run on a C28x" in done.out

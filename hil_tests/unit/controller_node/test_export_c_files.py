@@ -113,7 +113,7 @@ def test_readme_states_memory_time_and_what_has_not_been_shown(folder: Path) -> 
     assert f"| all constants, in flash | {total} |" in text
     # 12 inputs, 12 words of state, 5 outputs, 2 counters.
     assert "| RAM: inputs, state, outputs, event counters | 62 |" in text
-    assert "not been run on a target" in text
+    assert "not been run on a C28x" in text
     assert re.search(r"About \d+ cycles", text)
 
 

@@ -1,0 +1,183 @@
+"""Runs in which an emulated board is the controller: word-equal commands, faults of node, processor and power."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import Done, railhil
+from hil_tests.support.short_runs import RUN_72M_TOML
+from hil_tests.support.user_suite import run_suite
+from railhil.record.framelog import log_sha256
+from railhil.record.target import read_target
+
+pytest_plugins = ("pytester",)
+pytestmark = [pytest.mark.needs_qemu, pytest.mark.slow, pytest.mark.faults]
+#: A place in a run at which the train moves.
+_AT = "law->steps == 20"
+
+
+def _frames(folder: Path, can_id: str) -> list[str]:
+    words = (line.split()[2] for line in (folder / "frames.log").read_text().splitlines())
+    return [word for word in words if word.startswith(f"{can_id}#")]
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("scenario") / "short.toml"
+    file.write_text(RUN_72M_TOML)
+    return file
+
+
+@pytest.fixture
+def export(short: Path, tmp_path: Path) -> Callable[[str, str], Path]:
+    """Exports ipfc for the short run, with a text in one of its files replaced."""
+
+    def made(file: str, old: str, new: str) -> Path:
+        folder = tmp_path / "export"
+        done = railhil("export-c", "ipfc", short, "--out", folder)
+        assert done.exit_code == 0, done.err
+        text = (folder / file).read_text()
+        assert old in text
+        (folder / file).write_text(text.replace(old, new))
+        return folder
+
+    return made
+
+
+def _run(scenario: str | Path, out: Path, *words: str | Path) -> Done:
+    return railhil("run", scenario, "--bus", "local", "--no-report", "--quiet", "--out", out, *words)
+
+
+def test_the_whole_published_run_is_equal_on_a_board_and_can_be_made_again(tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", "--out", tmp_path / "ipfc").exit_code == 0
+    board = ("--controller", f"qemu:{tmp_path / 'ipfc'}")
+    assert _run("lvshun_tieshan", tmp_path / "board", *board).exit_code == 0
+    assert _run("lvshun_tieshan", tmp_path / "node").exit_code == 0
+    notches = _frames(tmp_path / "board", "110")
+    assert len(notches) == 9804
+    assert notches == _frames(tmp_path / "node", "110")
+    target = read_target(tmp_path / "board")
+    assert target is not None
+    assert target.instructions is not None
+    assert target.control_periods == 393
+    assert 500 < target.instructions.min <= target.instructions.median <= target.instructions.max < 5000
+    assert target.stack_used_octets is not None
+    assert 200 < target.stack_used_octets < target.stack_octets
+    certificate = json.loads((tmp_path / "board" / "certificate.json").read_text())
+    assert certificate["target"] == target.model_dump()
+    assert "target.json" in (tmp_path / "board" / "SHA256SUMS").read_text()
+    again = railhil("rerun", tmp_path / "board", *board)
+    assert again.exit_code == 0, again.out + again.err
+    refused = railhil("rerun", tmp_path / "board")
+    assert (refused.exit_code, refused.err.count("\n")) == (2, 1)
+
+
+def test_a_run_over_a_bus_has_the_same_bytes(
+    short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
+) -> None:
+    board = f"qemu:{export('ipfc.c', 'ipfc', 'ipfc')}@cortex-m3"
+    assert _run(short, tmp_path / "local", "--controller", board).exit_code in (0, 1)
+    done = railhil("run", short, "--no-report", "--quiet", "--out", tmp_path / "bus", "--controller", board)
+    assert done.exit_code in (0, 1), done.err
+    assert log_sha256(tmp_path / "bus" / "frames.log") == log_sha256(tmp_path / "local" / "frames.log")
+    found = read_target(tmp_path / "bus")
+    assert found is not None
+    assert found.board == "cortex_m3"
+    assert found == read_target(tmp_path / "local")
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "words"),
+    [
+        pytest.param(
+            "railhil_law.c",
+            "    began = RAILHIL_TICKS();",
+            f"    began = {_AT} ? *(volatile uint32_t *)0xF0000000u : RAILHIL_TICKS();",
+            "hard fault at 0x0000",
+            id="hard fault",
+        ),
+        pytest.param(
+            "railhil_law.c",
+            "    began = RAILHIL_TICKS();",
+            f"    while ({_AT}) {{\n    }}\n    began = RAILHIL_TICKS();",
+            "has not answered for 1 s",
+            id="endless loop",
+        ),
+        pytest.param(
+            "railhil_pipe.c",
+            "                put_frame(&answers[i]);",
+            "                put_frame(&answers[i]);\n"
+            "                if (count == 3 && i == 1 && control->law.steps > 20) { flush(); board_stop(); }",
+            "has ended",
+            id="brown-out between the frames of a telegram",
+        ),
+    ],
+)
+def test_when_a_board_fails_the_train_stops_by_its_own_watch(
+    file: str, old: str, new: str, words: str, short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
+) -> None:
+    folder = export(file, old, new.replace("board_stop", "extern void board_stop(void); board_stop"))
+    done = _run(short, tmp_path / "run", "--controller", f"qemu:{folder}", "--patience", "1")
+    # As with a board whose plug is pulled.
+    assert done.exit_code == 3, done.out + done.err
+    target = read_target(tmp_path / "run")
+    assert target is not None
+    assert words in " ".join(target.console)
+    assert words in done.out
+    assert "train's EMERGENCY" in done.out
+
+
+def test_a_board_that_fails_before_the_handshake_is_one_line(
+    short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
+) -> None:
+    folder = export("railhil_law.c", "    law->period = -1;", "    law->period = *(volatile int *)0xF0000000u;")
+    done = _run(short, tmp_path / "run", "--controller", f"qemu:{folder}")
+    assert (done.exit_code, done.err.count("\n")) == (2, 1)
+    assert "hard fault at 0x0000" in done.err
+
+
+def test_the_catalogue_of_node_faults_holds_on_a_board(tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", "--out", tmp_path / "ipfc").exit_code == 0
+    words = ("--bus", "local", "--no-report", "--only", "N1,N2,N3,N4", "--controller", f"qemu:{tmp_path / 'ipfc'}")
+    done = railhil("faults", *words)
+    assert done.exit_code == 0, done.out + done.err
+    assert "4 runs, 0 not as they must be" in done.out
+
+
+def test_a_c_controller_of_a_user_runs_on_a_board_as_on_the_host(short: Path, tmp_path: Path) -> None:
+    made = railhil("new", "c-controller", "mine", cwd=tmp_path)
+    assert made.exit_code == 0, made.err
+    for name, text in (("host", f"{tmp_path / 'mine'}"), ("board", f"qemu:{tmp_path / 'mine'}@cortex-m4")):
+        assert _run(short, tmp_path / name, "--controller", text).exit_code in (0, 1)
+    assert log_sha256(tmp_path / "board" / "frames.log") == log_sha256(tmp_path / "host" / "frames.log")
+
+
+def test_the_laws_of_a_suite_run_on_the_board_of_the_session(short: Path, pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        f"""
+        def test_it(bench):
+            run = bench.run(scenario={str(short)!r}, faults=["controller stop @10s for 100ms"])
+            assert run.certificate["target"]["board"] == "cortex_m3"
+            assert run.certificate["controller"] == "ipfc"
+        """
+    )
+    run_suite(pytester.path, "--railhil-target", "qemu:cortex-m3").assert_outcomes(passed=1)
+    run_suite(pytester.path).assert_outcomes(failed=1)
+
+
+def test_target_qemu_says_size_log_instructions_and_the_estimate(short: Path, tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", short, "--out", tmp_path / "ipfc").exit_code == 0
+    done = railhil("target", "qemu", tmp_path / "ipfc", short, "--board", "cortex_m3")
+    assert done.exit_code == 0, done.err
+    for words in ("control periods identical", "ROM ", "stack ", "instructions: ", "estimate for the C28x: "):
+        assert words in done.out
+    other = railhil("target", "qemu", tmp_path / "ipfc", "yizhuang_05")
+    assert (other.exit_code, other.err.count("\n")) == (2, 1)
+    assert "scenario differs" in other.err
+    log = tmp_path / "ipfc" / "ipfc_log.txt"
+    log.write_text(log.read_text()[:-2] + "1\n")
+    assert railhil("target", "qemu", tmp_path / "ipfc", short).exit_code == 1
