@@ -44,7 +44,8 @@ def _options() -> dict[str, set[str]]:
     programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
     for name, module in programs.items():
         found[name] = program_parser(module)
-    found |= {f"sequence {verb}": parser for verb, parser in _subparsers(found.pop("sequence")).items()}
+    for above in ("sequence", "target"):
+        found |= {f"{above} {word}": parser for word, parser in _subparsers(found.pop(above)).items()}
     return {name: set(parser._option_string_actions) for name, parser in found.items()}
 
 
@@ -131,7 +132,7 @@ def test_code_blocks_name_only_commands_that_exist():
         ):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
-                match = re.match(r"\s*railhil (?:(?:board|bus|memory|new|node|sequence) )?[a-z][a-z-]*(?= |$)", line)
+                match = re.match(r"\s*railhil (?:(?:board|bus|memory|new|node|sequence|target) )?[a-z][a-z-]*(?= |$)", line)
                 if match and match[0].strip() != "railhil hub":
                     seen += 1
                     assert match[0].strip().removeprefix("railhil ") in _options(), line

@@ -21,6 +21,7 @@ _ARGUMENTS = {
     "railhil.machines.vcan": "railhil.machines.vcan",
     "railhil.cli.completion": "railhil.cli.completion",
     "railhil.cli.export_c": "railhil.cli.export_c",
+    "railhil.cli.target": "railhil.cli.target",
     "railhil.plant_sim": "railhil.plant_sim.command",
     "railhil.controller_node": "railhil.controller_node.command",
 }
