@@ -132,7 +132,9 @@ def test_code_blocks_name_only_commands_that_exist():
         ):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
-                match = re.match(r"\s*railhil (?:(?:board|bus|memory|new|node|sequence|target) )?[a-z][a-z-]*(?= |$)", line)
+                match = re.match(
+                    r"\s*railhil (?:(?:board|bus|memory|new|node|sequence|target) )?[a-z][a-z-]*(?= |$)", line
+                )
                 if match and match[0].strip() != "railhil hub":
                     seen += 1
                     assert match[0].strip().removeprefix("railhil ") in _options(), line
