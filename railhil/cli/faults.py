@@ -104,7 +104,12 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     """
     if entry.seen_in:
         return Row(entry)
-    law = replace(base.law, controller=entry.law) if entry.law else base.law
+    law = base.law
+    if entry.law:
+        law = replace(law, controller=entry.law)
+        if law.given is not None:
+            # The law computes in another arithmetic than the controller of the user.
+            law = replace(law, given=None, arithmetic=base.load().installed_system.arithmetic)
     spec = replace(base, law=law, faults=entry.faults)
     if needs_hub(base, entry):
         # The hub is the only transport with controllers, lines and processes of its own; faults on the wall clock need

@@ -72,8 +72,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     system = kinds.add_parser("system", help="another kind of train and task, as a small distribution")
     _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
     system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
-    controller = kinds.add_parser("c-controller", help="a controller in C or C++, as a folder that make builds")
+    controller = kinds.add_parser("c-controller", help="a controller in C, C++ or Python, as a folder")
     _add(controller, "the new controller", "DIR", "folder for its files (default: NAME)", _new_controller)
+    controller.add_argument("--python", action="store_true", help="in Python, with a test for pytest")
     controller.add_argument(
         "--scenario", metavar="SCENARIO", default=USUAL_SCENARIO, help="shipped name or TOML file: its system and times"
     )
@@ -104,14 +105,17 @@ def _new_system(namespace: argparse.Namespace) -> int:
 
 def _new_controller(namespace: argparse.Namespace) -> int:
     # Only this command needs the controller's side of the bench.
-    from railhil.cli.new_controller import controller_files
+    from railhil.cli.new_controller import PYTHON_CLASS, controller_files, python_files
 
     name, folder = namespace.name, namespace.out or Path(namespace.name)
     _check_name("NAME", name)
-    files = {folder / path: text for path, text in controller_files(name, namespace.scenario).items()}
+    made = (python_files if namespace.python else controller_files)(name, namespace.scenario)
+    files = {folder / path: text for path, text in made.items()}
     _write(files)
-    shown = quote(f"{folder}/")
-    commands = [f"railhil run {quote(namespace.scenario)} --controller {shown}", f"make -C {shown} check"]
+    shown, check = quote(f"{folder}/"), f"make -C {quote(f'{folder}/')} check"
+    if namespace.python:
+        shown, check = quote(f"{folder}/{name}.py:{PYTHON_CLASS}"), f"pytest {quote(f'{folder}/')}"
+    commands = [f"railhil run {quote(namespace.scenario)} --controller {shown}", check]
     return _say(namespace, folder, list(files), commands)
 
 

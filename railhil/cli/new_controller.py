@@ -1,4 +1,5 @@
-"""``railhil new c-controller NAME``: a folder with a controller in C, which ``make`` builds without railhil."""
+"""``railhil new c-controller NAME``: a folder with a controller in C, which ``make`` builds without railhil, or in
+Python."""
 
 from __future__ import annotations
 
@@ -10,14 +11,20 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.c_controller.around import PREFIX, given_files
 from railhil.controller_node.c_controller.folder import AROUND, TABLE, ControllerFolder
+from railhil.controller_node.given.computing import Quantity, Terms
+from railhil.controller_node.given.python import PythonFile
 from railhil.controller_node.laws import law_class
+from railhil.scenarios.given import GivenController
 from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
 _TEMPLATES = Path(__file__).with_name("templates") / "c-controller"
 _FILES = {"Makefile": "Makefile", TABLE: TABLE, "README.md": "README.md"}
 #: Systems with an example of their own; others get commands of 0.
 _EXAMPLES = ("ato",)
+#: The class in a file in Python.
+PYTHON_CLASS = "Controller"
 #: Headers of C99: a file of such a name would hide them.
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint
@@ -39,9 +46,9 @@ def controller_files(name: str, scenario_text: str) -> dict[str, str]:
     with TemporaryDirectory() as draft:
         table = {"name": name, "system": scenario.system}
         Path(draft, TABLE).write_text(_text(TABLE).substitute(table), encoding="utf-8")
-        law = LawSpec.of_given(ControllerFolder(draft))
-        terms = law_class(law, scenario)(make(law.arithmetic), scenario).terms
-        around = given_files(scenario, law, terms)
+        given = ControllerFolder(draft)
+        terms = _terms(given, scenario)
+        around = given_files(scenario, LawSpec.of_given(given), terms)
     units = {one.name: f" /* {one.unit} */" if one.unit else "" for one in terms.commands}
     commands = "\n".join(f"    out->{command} = 0.0f;{unit}" for command, unit in units.items())
     words = {**table, "macro": name.upper(), "scenario": scenario_text, "commands": commands}
@@ -49,6 +56,38 @@ def controller_files(name: str, scenario_text: str) -> dict[str, str]:
     templates = _FILES | {f"{name}.c": f"{kind}.c", f"test_{name}.c": f"{kind}_checks.c"}
     files = {path: _text(file).substitute(words) for path, file in templates.items()}
     return files | {f"{AROUND}/{file}": text for file, text in around.items()}
+
+
+def python_files(name: str, scenario_text: str) -> dict[str, str]:
+    """Files of a folder with a controller in Python, by their paths in it.
+
+    :raises InputError: the scenario cannot be loaded, or its system takes no controller of a user.
+    """
+    scenario = load_any(scenario_text)
+    terms = _terms(PythonFile(f"{name}.py:{PYTHON_CLASS}"), scenario)
+    table = ["Readings:", *map(_line, terms.readings), "Commands:", *map(_line, terms.commands)]
+    is_example = scenario.system in _EXAMPLES
+    words = {
+        "name": name,
+        # A scenario file is named as on the command line, also where the tests run.
+        "scenario": repr(str(Path(scenario_text).resolve()) if scenario_text.endswith(".toml") else scenario_text),
+        "table": "\n".join(table),
+        "period_s": repr(terms.period_s),
+        "commands": "\n".join(f'            "{one.name}": 0.0,' for one in terms.commands),
+        "verdicts": '("PASS",)' if is_example else '("PASS", "FAIL")',
+    }
+    templates = {f"{name}.py": f"{scenario.system if is_example else 'plain'}.py", f"test_{name}.py": "checks.py"}
+    return {path: _text(file).substitute(words) for path, file in templates.items()}
+
+
+def _line(one: Quantity) -> str:
+    return f"    {one.name:20} {one.unit or '-'}".rstrip()
+
+
+def _terms(given: GivenController, scenario: AnyScenario) -> Terms:
+    law = LawSpec.of_given(given)
+    found: Terms = law_class(law, scenario)(make(law.arithmetic), scenario).terms
+    return found
 
 
 def _text(file: str) -> Template:

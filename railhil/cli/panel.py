@@ -176,7 +176,9 @@ class PanelBeside(Observer):
 
     def _words(self, plan: Plan, path: Path) -> list[str]:
         spec = plan.spec
-        words = [*spec.scenario_words, "--port", str(self._port), "--controller", spec.law.controller]
+        words = [*spec.scenario_words, "--port", str(self._port)]
+        # Without a law the page names no notes.
+        words += ["--controller", spec.law.controller] if spec.law.given is None else []
         words += ["--operator", str(path), "--child"]
         words += ["--foxglove", str(self._foxglove)] if self._foxglove is not None else []
         # Without a bus to listen to, the panel follows the record.

@@ -17,6 +17,7 @@ from railhil.judge.score import Score
 from railhil.record.hash_list import REPORT
 from railhil.report.facts import answers_sentence, jitter_sentence, parameters_sentence, scheduling_sentence
 from railhil.report.tables import published_text
+from railhil.scenarios.given import KEY as GIVEN_KEY
 from railhil.scenarios.model import AnyScenario, watch_sentence
 
 #: Below this width columns are separated by one space, so that no number is truncated.
@@ -79,7 +80,8 @@ def next_step(run: Record, folder: Path) -> str:
     certificate = run.certificate
     if run.verdict != "FAIL" or certificate.get("foreign") or certificate.get("attached"):
         return ""
-    if advice := run.judging.advice(run, folder):
+    # A system's advice is about its laws.
+    if not certificate.get(GIVEN_KEY) and (advice := run.judging.advice(run, folder)):
         return advice
     shown = folder / REPORT
     return f"next: {shown} shows where" if shown.is_file() else f"next: railhil report {folder} draws the run"

@@ -22,6 +22,7 @@ from railhil.judge.record import Record
 from railhil.record.target import Target
 from railhil.record.telemetry import Headroom, ShownTelemetry, TelemetrySummary
 from railhil.report.styles import styles
+from railhil.scenarios.given import KEY as GIVEN_KEY
 from railhil.scenarios.parameters import DIGEST_DIGITS
 
 TIMING_HEADINGS = ("law", "cycles", "p50", "p99", "p99.9", "max", f"over {LATE_MS:g} ms", "polls", "missed")
@@ -218,6 +219,8 @@ def parameters_sentence(run: Record) -> str:
     if run.certificate.get("foreign"):
         asked = f"those of a file, digest {given['sha256'][:DIGEST_DIGITS]}" if given else "the law's own"
         return f"not known: the controller was not railhil's; in the handshake it agreed to {asked}"
+    if run.certificate.get(GIVEN_KEY):
+        return f"in the code of {run.certificate['controller']}"
     if not given:
         return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
     words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
