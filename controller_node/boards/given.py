@@ -90,6 +90,9 @@ class EmulatedController(OutsideController):
     def files(self) -> tuple[Path, ...]:
         return self.folder.files()
 
+    def prepare(self, scenario: AnyScenario, run: RunSpec) -> None:
+        self._build(self.folder.sources(scenario, run.law))
+
     def start(self, scenario: AnyScenario, run: RunSpec) -> EmulatedBoard:
         """The board, built and switched on; again in the same run: reset, and its figures go on."""
         if self._emulator is None or self._run is not run:

@@ -120,6 +120,9 @@ class ControllerFolder(OutsideController):
             found |= {f"{AROUND}/{name}": text.encode("ascii") for name, text in around.items()}
         return found
 
+    def prepare(self, scenario: AnyScenario, run: RunSpec) -> None:
+        self._build(self.sources(scenario, run.law))
+
     def start(self, scenario: AnyScenario, run: RunSpec) -> HostProgram:
         program = self._build(self.sources(scenario, run.law))
         # The bus administrator must not lose patience first.

@@ -94,6 +94,8 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     if isinstance(spec.law.given, RecordedController):
         raise spec.law.given.refuse()
     scenario = spec.load() if scenario is None else scenario
+    if spec.law.given is not None:
+        spec.law.given.prepare(scenario, spec)
     observer = _Observers(observers)
     with ExitStack() as held:
         choice = held.enter_context(chosen_bus(spec, scenario))

@@ -69,6 +69,12 @@ class GivenController(ABC):
     def files(self) -> tuple[Path, ...]:
         """The files of which it is made."""
 
+    def prepare(self, scenario: AnyScenario, run: RunSpec) -> None:  # noqa: B027
+        """Do what takes time before the nodes of a run are started: build it.
+
+        :raises InputError: as :meth:`make_node`.
+        """
+
     @abstractmethod
     def make_node(self, scenario: AnyScenario, run: RunSpec, *, fd: bool, bit_rate: int | None) -> Any:
         """The controller of a run, a :class:`railhil.controller_node.controller.AnyController`.
