@@ -15,6 +15,7 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from itertools import count
 from typing import IO
 from weakref import finalize
@@ -102,9 +103,22 @@ class CanExchange:
         """
         while not self._is_ready:
             self._wait(self._started_s + _START_S, "does not start")
+        found: list[Frame] = []
+        try:
+            self._exchange(frames, found)
+        except ControllerFailed as error:
+            # The bus may be the cause.
+            with suppress(OSError):
+                found += self._received()
+            error.frames = found
+            raise
+        return found
+
+    def _exchange(self, frames: Sequence[Frame], found: list[Frame]) -> None:
+        """Add the frames of the board to those found."""
         until_s = time.monotonic() + self._patience_s
         try:
-            found = self._received()
+            found += self._received()
             for frame in frames:
                 if not frame.flags & (ERROR | FD):
                     self._socket.send(pack_frame(frame))
@@ -118,7 +132,6 @@ class CanExchange:
                 found.append(frame)
                 if frame.can_id in missing:
                     missing.remove(frame.can_id)
-        return found
 
     def close(self) -> None:
         """Leave the bus, and read what the board has said last."""

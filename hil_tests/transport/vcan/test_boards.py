@@ -114,14 +114,15 @@ def test_frames_that_nobody_asked_for_are_passed_on_and_others_are_not_taken(exp
         emulator.exchange([_STATUS])
 
 
-#: Its stack overflows at a frame of TIME_SYNC; it answers nothing.
+#: Its stack overflows at a frame of TIME_SYNC; it answers TRN_SPEED, and nothing else.
 _BAD_CONTROLLER = """\
 #include "railhil_control.h"
 void railhil_init(railhil_control_t *control) { control->ended = 0; }
 static void overflow(uint32_t can_id) { volatile char wide[100000]; memset((char *)wide, (int)can_id, sizeof wide); }
 unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned length, const unsigned char *data,
                          railhil_frame_t *answer)
-{ (void)control; (void)length; (void)data; (void)answer; if (can_id == 0x100) { overflow(can_id); } return 0; }
+{ (void)control; (void)length; (void)data; if (can_id == 0x100) { overflow(can_id); }
+  answer->can_id = 0x333; answer->length = 1; answer->data[0] = 7; return can_id == 0x118; }
 """
 
 
@@ -130,12 +131,16 @@ def test_board_that_cannot_go_on_is_one_line_and_leaves_nothing(export: Path) ->
     bad = Board.load("zcu102").build(export, ("bad.c",))
     before = interfaces()
     for frames, words in [
-        ([_STATUS], r"board zcu102: has not answered for 2 s, expected an answer"),
-        ([Frame(0x100, bytes(8)), _STATUS], r"board zcu102: has failed: data abort at 0x\w{8}, expected an answer"),
+        ([Frame(0x118, bytes(8)), _STATUS], r"board zcu102: has not answered for 2 s, expected an answer"),
+        (
+            [Frame(0x118, bytes(8)), Frame(0x100, bytes(8)), _STATUS],
+            r"board zcu102: has failed: data abort at 0x\w{8}, expected an answer",
+        ),
     ]:
         emulator = switched_on("zcu102", bad, 2.0)
-        with pytest.raises(ControllerFailed, match=words):
+        with pytest.raises(ControllerFailed, match=words) as error:
             emulator.exchange(frames)
+        assert error.value.frames == [Frame(0x333, b"\x07")]
         assert interfaces() == before
 
 
