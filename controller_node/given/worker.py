@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import select
 import signal
@@ -28,6 +29,8 @@ from railhil.controller_node.given.computing import Computer, ComputingControlle
 #: First octet of an answer: values follow, or the line of an error.
 _VALUES, _ERROR = b"v", b"e"
 _LENGTH = struct.Struct("<cI")
+#: Longest answer.
+_LENGTH_MAX = 1_000_000
 _END_S = 1.0
 
 
@@ -60,7 +63,7 @@ class Worker:
         # Loading libraries may take longer than an answer.
         self._text, self._patience_s = given.text, max(patience_s, APPEAR_S / 2)
         self._pack = struct.Struct(f"<{len(terms.readings)}d").pack
-        self._unpack = struct.Struct(f"<{len(terms.commands)}d").unpack
+        self._values = struct.Struct(f"<{len(terms.commands)}d")
         kind = type(given)
         words = [f"{kind.__module__}:{kind.__qualname__}", *given.arguments, json.dumps(terms.as_json())]
         ours, theirs = socket.socketpair()
@@ -80,7 +83,10 @@ class Worker:
     def compute(self, readings: Sequence[float]) -> Sequence[float]:
         self._periods += 1
         self._key = f"control period {self._periods}"
-        return self._unpack(self._ask(self._pack(*readings)))
+        content = self._ask(self._pack(*readings))
+        if len(content) != self._values.size or not all(map(math.isfinite, found := self._values.unpack(content))):
+            raise self._garbled()
+        return found
 
     def close(self) -> None:
         """End the process."""
@@ -92,14 +98,24 @@ class Worker:
             if question:
                 self._socket.sendall(question)
             kind, length = _LENGTH.unpack(self._read(_LENGTH.size, deadline_s))
+            if kind not in (_VALUES, _ERROR) or length > _LENGTH_MAX:
+                raise self._garbled()
             content = self._read(length, deadline_s)
         except (EOFError, OSError):
             raise self._ended() from None
         if kind == _ERROR:
-            file, key, line = json.loads(content)
             self.close()
+            try:
+                file, key, line = map(str, json.loads(content))
+            except (TypeError, ValueError):
+                raise self._garbled() from None
             raise InputError(file, key or self._key, Words(), Sentence(line))
         return content
+
+    def _garbled(self) -> InputError:
+        """The error for octets that railhil's part of the process does not write: the code used its socket."""
+        self.close()
+        return InputError(self._text, self._key, Words(), Sentence("its process sends octets that are no answer"))
 
     def _read(self, length: int, deadline_s: float) -> bytes:
         content = b""
