@@ -162,8 +162,9 @@ def checked_answer(source: str, terms: Terms, answer: Any) -> list[float]:
     found = []
     for name, value in zip(names, values, strict=True):
         try:
-            # A text that reads like a number is none.
-            number = float(None if isinstance(value, str | bytes | bytearray) else value)
+            if isinstance(value, str | bytes | bytearray):
+                raise TypeError(value)
+            number = float(value)
         except (TypeError, ValueError, OverflowError):
             raise InputError(source, f"answer, {name}", value, allowed) from None
         if not math.isfinite(number):
