@@ -76,6 +76,33 @@ def test_the_whole_published_run_is_equal_on_a_board_and_can_be_made_again(tmp_p
     assert (refused.exit_code, refused.err.count("\n")) == (2, 1)
 
 
+def test_a_learning_law_on_a_board_has_the_bytes_of_the_node(tmp_path: Path) -> None:
+    """Another system, over its interface: every frame, the law's notes among them."""
+    assert railhil("export-c", "ilc_stop", "yizhuang_stop", "--out", tmp_path / "ilc").exit_code == 0
+    board = ("--controller", f"qemu:{tmp_path / 'ilc'}@cortex-m3")
+    assert _run("yizhuang_stop", tmp_path / "board", *board).exit_code in (0, 1)
+    assert _run("yizhuang_stop", tmp_path / "node", "--arithmetic", "iq").exit_code in (0, 1)
+    assert log_sha256(tmp_path / "board" / "frames.log") == log_sha256(tmp_path / "node" / "frames.log")
+
+
+@pytest.mark.long
+def test_a_run_of_the_yizhuang_line_is_equal_on_a_board(tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", "yizhuang_05", "--out", tmp_path / "ipfc").exit_code == 0
+    for name, controller in (("board", f"qemu:{tmp_path / 'ipfc'}"), ("node", "ipfc")):
+        assert _run("yizhuang_05", tmp_path / name, "--controller", controller).exit_code in (0, 1)
+    assert _frames(tmp_path / "board", "110") == _frames(tmp_path / "node", "110")
+
+
+def test_a_law_and_its_export_on_a_board_are_compared(short: Path, tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", short, "--out", tmp_path / "ipfc").exit_code == 0
+    laws = f"ipfc,qemu:{tmp_path / 'ipfc'},{tmp_path / 'ipfc'}/"
+    words = ("--bus", "local", "--no-report", "--quiet", "--json", "--out", tmp_path / "compared")
+    rows = railhil("compare", short, "--laws", laws, *words).json["runs"]
+    assert [row["label"] for row in rows] == ["ipfc", "ipfc on cortex_m4f", "ipfc in C"]
+    assert len({row["folder"] for row in rows}) == 3
+    assert rows[0]["scores"] == rows[1]["scores"] == rows[2]["scores"]
+
+
 def test_a_run_over_a_bus_has_the_same_bytes(
     short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
 ) -> None:

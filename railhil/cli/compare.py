@@ -130,6 +130,15 @@ def _checked(
     return plan, [*notes, *(f"Left out. {checked.line}" for checked in refused)]
 
 
+def _places(plan: Sequence[RunSpec]) -> list[str]:
+    """Name of each run's folder: the law, and a number where an export of it is compared, too."""
+    labels = [spec.law.label for spec in plan]
+    return [
+        f"{label}-{labels[:index].count(label) + 1}" if label in labels[:index] else label
+        for index, label in enumerate(labels)
+    ]
+
+
 class _BusLine(Observer):
     """Prints the bus of the runs once."""
 
@@ -160,12 +169,13 @@ def work(namespace: argparse.Namespace) -> int:
     folder: Path | None = None
     made = False
     runs: list[tuple[Path, Record]] = []
+    places = _places(plan)
     codes: list[int] = []
     try:
         for spec in plan:
             if folder is None:
                 folder, made = run_folder(namespace.out, scenario.name, "compare")
-            own = folder / spec.law.label
+            own = folder / places[len(runs)]
             try:
                 result = record_run(replace(spec, out=own), *observers, scenario=scenario)
             finally:

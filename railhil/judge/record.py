@@ -26,6 +26,7 @@ from railhil.record.hash_list import HASH_LIST
 from railhil.record.log_trace import trace_of_log
 from railhil.record.own_time import Timed, own_time
 from railhil.record.trace import NodeCounters, Trace, trace_of
+from railhil.scenarios.given import KEY as GIVEN_KEY
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, PublishedScore
 from railhil.scenarios.parameters import DIGEST_DIGITS
@@ -227,14 +228,17 @@ def _confirmed(certificate: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def law_label(certificate: Mapping[str, Any], otherwise: str) -> str:
-    """The law with its parameters, if they are not its own.
+    """The law with its parameters, if they are not its own, and the board or the program that computed it.
 
     :param otherwise: for a record without certificate.
     """
     label = str(certificate.get("controller") or otherwise)
     if parameters := _confirmed(certificate).get("parameters"):
         label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
-    return label
+    if target := certificate.get("target"):
+        return f"{label} on {target['board']}"
+    given = certificate.get(GIVEN_KEY)
+    return f"{label} in C" if given and given["label"] == label else label
 
 
 def log_path(text: str) -> Path:

@@ -80,7 +80,7 @@ OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
         *("PURE", "TRACEBACK", "COMPILED", "CACHE", "REQUIRE_ALL", "SAMPLE"),
-        *("SEEDS", "RUNS", "NO_CONTROLLER"),
+        *("SEEDS", "RUNS", "NO_CONTROLLER", "TARGET"),
         *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
     )
 )

@@ -72,6 +72,7 @@ def played(frames: Sequence[Frame], emulator: Emulator) -> list[Frame]:
     return answers
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("name", BOARDS)
 def test_board_answers_through_its_can_registers_as_the_node(name: str, export: Path, hop_reference: Result) -> None:
     """Each notch of a run, and again after a reset; nothing is lost, and the bus is gone with the board."""
@@ -97,6 +98,7 @@ def test_board_answers_through_its_can_registers_as_the_node(name: str, export: 
     assert 200 < figures["stack_used_octets"] < 4000
 
 
+@pytest.mark.long
 def test_frames_that_nobody_asked_for_are_passed_on_and_others_are_not_taken(export: Path) -> None:
     emulator = switched_on("zcu102", image("zcu102", export))
     found = re.search(r"if=(\w+),", " ".join(emulator.command))
@@ -126,6 +128,7 @@ unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned l
 """
 
 
+@pytest.mark.long
 def test_board_that_cannot_go_on_is_one_line_and_leaves_nothing(export: Path) -> None:
     (export / "bad.c").write_text(_BAD_CONTROLLER)
     bad = Board.load("zcu102").build(export, ("bad.c",))
