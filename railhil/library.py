@@ -25,7 +25,18 @@ from railhil.judge.signals import Signals
 from railhil.record.hash_list import check_hash_list
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
-from railhil.run.spec import Parameters, Settings, Texts, bus_of, checked_spec, named_laws, settings_of, spec_of
+from railhil.run.spec import (
+    Parameters,
+    Settings,
+    Texts,
+    brought_controller,
+    bus_of,
+    checked_spec,
+    named_laws,
+    settings_of,
+    spec_of,
+)
+from railhil.scenarios.given import NamedCode
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.run_spec import RunSpec, StartUp
 
@@ -57,8 +68,8 @@ def run(
 ) -> Outcome:
     """Make one run, record and score it.
 
-    :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
-        and ``out`` are used.
+    :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``,
+        ``out`` and a ``controller`` that is no law are used.
     :param controller, arithmetic: the law and its arithmetic; None: the usual ones of the scenario's system.
     :param faults: faults besides the scenario's own, one text or several (docs/faults.md).
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
@@ -74,6 +85,8 @@ def run(
     kind, can = bus_of(bus, "railhil.run")
     if isinstance(scenario, RunSpec):
         spec = scenario if kind == bus else replace(scenario, bus=kind)
+        if (brought := brought_controller(controller)) is not None:
+            spec = spec.with_code(NamedCode(spec.plant_fmu, brought))
     else:
         spec = spec_of(
             scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,

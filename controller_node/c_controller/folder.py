@@ -67,6 +67,7 @@ class ControllerFolder(OutsideController):
     """``FOLDER/`` with ``controller.toml``."""
 
     form: ClassVar[str] = "FOLDER/ with controller.toml"
+    may_be_foreign: ClassVar[bool] = True
 
     def __init__(self, text: str) -> None:
         super().__init__(text)

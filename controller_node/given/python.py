@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import re
 import sys
 import traceback
 from collections import namedtuple
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, ClassVar
 
+from railhil.common import plug_ins
 from railhil.common.errors import InputError, Words
 from railhil.common.plug_ins import guard_plug_in
 from railhil.controller_node.given.computing import (
@@ -75,12 +76,35 @@ class Called:
 
 
 def _failure(source: str, what: str, error: Exception) -> InputError:
-    """The line for an exception of the user's code: its last place in a file that is not railhil's."""
-    own = {__file__, traceback.__file__}
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename not in own]
+    """The line for an exception of the user's code: its last place in a file that is none of Python's or railhil's."""
+    own = (__file__, plug_ins.__file__)
+    frames = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename not in own and not frame.filename.startswith("<frozen ")
+    ]
     at = f"{frames[-1].filename}:{frames[-1].lineno}" if frames else source
+    if isinstance(error, SyntaxError) and error.filename:
+        at = f"{error.filename}:{error.lineno}"
     cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     return InputError(at, what, Words(f"it raises {cause}"), "an answer")
+
+
+def _name(stem: str, called: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_+-]+", "_", f"{stem}-{called}")
+
+
+def _origin(code: Any) -> Any:
+    """The function or class that a function, object, method or partial call comes from."""
+    while True:
+        if isinstance(code, partial):
+            code = code.func
+        elif inspect.ismethod(code):
+            code = code.__func__
+        elif inspect.isfunction(code) and (inner := inspect.unwrap(code)) is not code:
+            code = inner
+        else:
+            return code if inspect.isroutine(code) or inspect.isclass(code) else type(code)
 
 
 class PythonFile(WorkerController):
@@ -96,7 +120,7 @@ class PythonFile(WorkerController):
             raise InputError(
                 "command line", "--controller", text, f"{self.form}, with the name of a function or object"
             )
-        self.name = re.sub(r"[^A-Za-z0-9_+-]+", "_", f"{self._file.stem}.{self._attribute}".replace(".", "-"))
+        self.name = _name(self._file.stem, self._attribute)
         self.arguments = [file, self._attribute]
 
     @classmethod
@@ -135,12 +159,16 @@ class PythonObject(ComputingController):
 
     form: ClassVar[str] = "a function or object of Python"
 
+    is_here_only: ClassVar[bool] = True
+
     def __init__(self, code: Any) -> None:
-        self._code = code
-        kind = code if inspect.isfunction(code) or inspect.isclass(code) else type(code)
-        called = getattr(kind, "__name__", "controller")
-        super().__init__(called)
-        self.name = re.sub(r"[^A-Za-z0-9_+-]+", "_", called).strip("_") or "controller"
+        self._code, self._origin = code, _origin(code)
+        called = getattr(self._origin, "__name__", "controller")
+        stem = next((path.stem for path in self.files()), "call")
+        # No text of a command line.
+        super().__init__(f"call:{called}")
+        self.name = _name(stem, called)
+        self.hashes()
 
     @classmethod
     def reads(cls, text: str) -> bool:
@@ -149,18 +177,10 @@ class PythonObject(ComputingController):
     def files(self) -> tuple[Path, ...]:
         """Its source file, where it has one that can still be read."""
         try:
-            path = Path(
-                inspect.getfile(inspect.unwrap(self._code) if inspect.isfunction(self._code) else type(self._code))
-            )
+            path = Path(inspect.getfile(self._origin))
         except (TypeError, OSError):
             return ()
         return (path,) if path.is_file() else ()
-
-    @property
-    def digest(self) -> str:
-        """Of its file; without one, of its name alone."""
-        files = self.hashes()
-        return hashlib.sha256("\n".join((self.name, *files.values())).encode()).hexdigest()
 
     def start(self, terms: Terms, patience_s: float) -> Computer:
         return Called(self._code, terms, self.name)

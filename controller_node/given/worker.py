@@ -32,6 +32,7 @@ _LENGTH = struct.Struct("<cI")
 #: Longest answer.
 _LENGTH_MAX = 1_000_000
 _END_S = 1.0
+_STANDARD_ERROR = 2
 
 
 class WorkerController(ComputingController):
@@ -71,7 +72,11 @@ class Worker:
             command = [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), *words]
             # What the code prints must not stand among the results of a command.
             self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=sys.stderr.fileno(), pass_fds=[theirs.fileno()]
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=_STANDARD_ERROR,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
             )
         self._socket = ours
         self._ends = weakref.finalize(self, _end, self._process, ours)
@@ -146,7 +151,9 @@ class Worker:
 
 def _end(process: subprocess.Popen[bytes], ours: socket.socket) -> None:
     ours.close()
-    process.kill()
+    # With the processes that the code has started.
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
     process.wait()
 
 
@@ -169,8 +176,6 @@ def _serve(theirs: socket.socket, computer: Computer, terms: Terms) -> None:
 def main() -> int:
     """Serve the node at the other end of a socket, until it closes it."""
     end_with_parent()
-    # A Ctrl-C ends the node, which then ends this process.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     number, reference, *arguments, terms_json = sys.argv[1:]
     module, _, name = reference.partition(":")
     with socket.socket(fileno=int(number)) as theirs, contextlib.suppress(BrokenPipeError, ConnectionResetError):

@@ -211,13 +211,15 @@ def test_a_step_that_does_not_divide_the_control_period_is_refused(folder: Path,
     [
         (("--controller-fmu-map", "a.toml"), "--controller-fmu-map: used only with --controller-fmu"),
         (("--controller-fmu", "a.fmu", "--controller", "ipfc"), "--controller-fmu: used only without --controller"),
-        (("--controller-fmu", "gone.fmu"), "gone.fmu: start: does not exist, expected an FMU"),
+        (("--controller-fmu", "gone.fmu"), "gone.fmu: does not exist, expected FILE.fmu"),
         (("--controller-fmu", "model.zip"), "--controller: found 'model.zip', allowed a law, or"),
-        (("--controller-fmu", "a.fmu", "--arithmetic", "iq"), "--arithmetic: cannot be given with --controller a.fmu"),
+        (("--controller-fmu", "a.fmu", "--arithmetic", "iq"), "--arithmetic: cannot be given with --controller"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str) -> None:
-    done = run(folder, f"options{abs(hash(said))}", *words, "--bus", "local")
+    (folder / "a.fmu").touch()
+    placed = [folder / word if word == "a.fmu" else word for word in words]
+    done = run(folder, f"options{abs(hash(said))}", *placed, "--bus", "local")
     assert (done.exit_code, done.err.count("\n")) == (2, 1)
     assert said in done.err
 

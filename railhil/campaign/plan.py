@@ -193,11 +193,16 @@ class Plan:
                     "law_sha256": entry.law_sha256,
                     "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
                     "training_seeds": self.training(entry),
-                    **({} if entry.law.given is None else {"form": entry.law.given.form}),
+                    **({} if entry.law.given is None else _identity_of(entry.law.given)),
                 }
                 for entry in self.entries
             ],
         }
+
+
+def _identity_of(given: GivenController) -> dict[str, Any]:
+    """Form and files of a controller of a user, the latter without their places."""
+    return {"form": given.form, "files": {str(n): sha256 for n, sha256 in enumerate(given.hashes().values())}}
 
 
 def _given_entry(request: Request, text: str, code: Code) -> Entry:

@@ -89,6 +89,7 @@ def _recorded(begun: Manifest, file: Path) -> dict[str, RecordedController]:
     found = {}
     for text, law in zip(texts, (law for law in begun.identity["laws"] if "form" in law), strict=True):
         recorded = {"form": law["form"], "text": text, "label": law["label"], "sha256": law["law_sha256"]}
+        recorded["files"] = law["files"]
         how = {"controller": law["law"], "arithmetic": begun.identity["arithmetic"]}
         found[text] = RecordedController({KEY: recorded, **how}, file)
     return found

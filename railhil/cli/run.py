@@ -148,10 +148,12 @@ def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> Ru
     layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults, code)]
     layers.append(environment_layer(environment, faults))
     words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
+    layers.append(Layer("command line", words, OPTIONS))
     if code.controller is not None:
         words.pop("controller", None)
-        refuse_beside(code.controller, {OPTIONS[key]: words.get(key) for key in _OF_A_LAW})
-    layers.append(Layer("command line", words, OPTIONS))
+        for layer in layers:
+            beside = {layer.names.get(key, key): layer.values.get(key) for key in _OF_A_LAW}
+            refuse_beside(code.controller, beside, layer.source)
     return RunSpec.from_layers(layers, faults).with_code(code)
 
 

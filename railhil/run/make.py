@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.common.user_files import NO_ROOM
 from railhil.judge.fault_report import check_faults, transports_of
@@ -91,8 +92,7 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
     """
-    if isinstance(spec.law.given, RecordedController):
-        raise spec.law.given.refuse()
+    _check_given(spec)
     scenario = spec.load() if scenario is None else scenario
     if spec.law.given is not None:
         spec.law.given.prepare(scenario, spec)
@@ -121,6 +121,24 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     if run.stop.number:
         result.stopped_exit_code = 128 + run.stop.number
     return result
+
+
+def _check_given(spec: RunSpec) -> None:
+    """Refuse a controller of the user in a run that it cannot be in.
+
+    :raises InputError: it is only recorded, or another program is the controller, or other processes do not have it.
+    """
+    given = spec.law.given
+    if given is None:
+        return
+    if isinstance(given, RecordedController):
+        raise given.refuse()
+    if spec.start_up.foreign and not given.may_be_foreign:
+        said = Sentence("cannot be given with --no-controller: another program is the controller")
+        raise InputError("command line", f"--controller {given.text}", Words(), said)
+    if given.is_here_only and not spec.is_local:
+        allowed = "local with a function or an object; FILE.py:NAME runs on every bus"
+        raise InputError("railhil.run", "bus", spec.bus, allowed)
 
 
 def run_into(folder: Path, spec: RunSpec, *, keep: bool = True) -> Result:

@@ -50,6 +50,10 @@ class GivenController(ABC):
     form: ClassVar[str]
     #: Arithmetic in which it computes, as the handshake and every table state it.
     arithmetic: str = "float64"
+    #: Whether it computes in the process that names it, and nowhere else.
+    is_here_only: ClassVar[bool] = False
+    #: Whether it may be the controller of a run that another program starts (``--no-controller``).
+    may_be_foreign: ClassVar[bool] = False
     #: Name of the installed law of which it is an export; empty: of none.
     law: str = ""
     #: Name in folders and tables, of letters, digits, ``_``, ``.``, ``+`` and ``-``.
@@ -57,6 +61,7 @@ class GivenController(ABC):
 
     def __init__(self, text: str) -> None:
         self.text = text
+        self._hashes: dict[str, str] | None = None
         #: What :meth:`check` found, for the certificate: keys of :data:`FINDINGS`.
         self.findings: dict[str, Any] = {}
 
@@ -100,15 +105,16 @@ class GivenController(ABC):
 
         :raises InputError: a file cannot be read.
         """
-        hashes = self.hashes()
-        return hashlib.sha256("\n".join((self.name, *hashes.values())).encode()).hexdigest()
+        return _digest(self.name, self.hashes())
 
     def hashes(self) -> dict[str, str]:
-        """SHA-256 of each file.
+        """SHA-256 of each file, as it was when it was named: a file may be saved again during a run.
 
         :raises InputError: one cannot be read.
         """
-        return {str(path): _sha256(path, self.form) for path in self.files()}
+        if self._hashes is None:
+            self._hashes = {str(path): _sha256(path, self.form) for path in self.files()}
+        return self._hashes
 
     @property
     def words(self) -> list[str]:
@@ -140,7 +146,9 @@ def given_controller(text: str) -> GivenController | None:
     kinds: list[type[GivenController]] = [entry.load() for entry in entries(GROUP).values()]
     for kind in kinds:
         if kind.reads(text):
-            return kind(text)
+            found = kind(text)
+            found.hashes()
+            return found
     raise InputError("command line", OPTION, text, f"a law, or {', '.join(kind.form for kind in kinds)}")
 
 
@@ -159,6 +167,14 @@ class RecordedController(GivenController):
             raise InputError(file, KEY, recorded, f"a table with {', '.join(_RECORDED)}")
         super().__init__(recorded["text"])
         self.name, self.arithmetic = str(document.get("controller")), str(document.get("arithmetic"))
+        files = recorded.get("files")
+        if not (isinstance(files, Mapping) and all(isinstance(one, str) for one in files.values())):
+            raise InputError(file, f"{KEY}.files", files, "the SHA-256 of each file by its name")
+        if recorded["sha256"] != (wanted := _digest(self.name, files)):
+            raise InputError(file, f"{KEY}.sha256", recorded["sha256"], f"{wanted}, that of name and files")
+        digest = recorded["label"].partition("@")[2]
+        if digest and not wanted.startswith(digest):
+            raise InputError(file, f"{KEY}.label", recorded["label"], f"{self.name}@{wanted[:8]}")
         self._recorded, self._file = dict(recorded), file
 
     @classmethod
@@ -196,7 +212,9 @@ class RecordedController(GivenController):
 
     def refuse(self) -> InputError:
         """The error for an attempt to make the run without its controller."""
-        allowed = f"{OPTION} on the command line: a controller is code, which no file can load"
+        allowed = (
+            f"{OPTION} on the command line, or controller= in a call: a controller is code, which no file can load"
+        )
         return InputError(self._file, KEY, self.text, allowed)
 
     def make_node(self, scenario: AnyScenario, run: RunSpec, *, fd: bool, bit_rate: int | None) -> Any:
@@ -232,7 +250,7 @@ class NamedCode(NamedTuple):
 NO_CODE = NamedCode()
 
 
-def refuse_beside(given: GivenController, values: Mapping[str, object], source: str = "command line") -> None:
+def refuse_beside(given: GivenController, values: Mapping[str, object], source: str | Path = "command line") -> None:
     """Refuse options of a law beside a given controller.
 
     :param values: value of each option by name; None: it is not given.
@@ -243,6 +261,10 @@ def refuse_beside(given: GivenController, values: Mapping[str, object], source: 
         if value is not None:
             allowed = Sentence(f"cannot be given with {OPTION} {given.text}: only a law takes it")
             raise InputError(source, option, str(value), allowed)
+
+
+def _digest(name: str, hashes: Mapping[str, str]) -> str:
+    return hashlib.sha256("\n".join((name, *hashes.values())).encode()).hexdigest()
 
 
 def _sha256(path: Path, form: str) -> str:

@@ -206,8 +206,9 @@ class RunSpec:
         from railhil.scenarios.run_document import RunDocument, restore_asked
         from railhil.scenarios.validation import validate
 
+        document = restore_asked(document)
         code = code.check_recorded(document, file)
-        found = validate(RunDocument, restore_asked(document), lambda keys: file)
+        found = validate(RunDocument, document, lambda keys: file)
         parse_commands(found.orders, file)
         given = found.parameters
         parameters = None
