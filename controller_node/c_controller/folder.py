@@ -122,7 +122,8 @@ class ControllerFolder(OutsideController):
         return found
 
     def prepare(self, scenario: AnyScenario, run: RunSpec) -> None:
-        self._build(self.sources(scenario, run.law))
+        program = self._build(self.sources(scenario, run.law))
+        self.findings["program_sha256"] = hashlib.sha256(program.read_bytes()).hexdigest()
 
     def start(self, scenario: AnyScenario, run: RunSpec) -> HostProgram:
         program = self._build(self.sources(scenario, run.law))

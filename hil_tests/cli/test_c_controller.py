@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import shutil
@@ -112,6 +113,8 @@ def test_the_certificate_has_files_and_compiler_and_a_rerun_gives_the_same_bytes
     found = given(folder / "record")
     assert [Path(name).name for name in found["files"]] == ["Makefile", "controller.toml", "mine.c", "test_mine.c"]
     assert re.search(r"\d+\.\d+", found["compiler"])
+    (program,) = (folder / "mine/build").glob("host-*/mine_node")
+    assert found["program_sha256"] == hashlib.sha256(program.read_bytes()).hexdigest()
     again = railhil("rerun", "record", "--controller", "./mine", "--out", "again", cwd=folder)
     assert (again.exit_code, "same bytes" in again.out) == (0, True), again.err
     shutil.copytree(folder / "mine", folder / "changed", ignore=shutil.ignore_patterns("build"))
