@@ -11,13 +11,14 @@ import zipfile
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from railhil.common.errors import InputError, Words, describe_os_error
-from railhil.common.extras import missing_library
 from railhil.controller_node.export.bundle import Bundle
-from railhil.controller_node.export.fmu_law import FmuLaw, Variable, law_of
+from railhil.controller_node.export.fmu_law import INTEGERS, FmuLaw, Variable, law_of
 from railhil.controller_node.export.text import template
+from railhil.fmu.instance import fmpy_for
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -43,20 +44,16 @@ def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path, f
     :raises InputError: FMPy, whose copy of the standard's headers is used, or a C compiler is missing, or the file
         cannot be written.
     """
-    try:
-        import fmpy
-    except ImportError as error:
-        raise missing_library("railhil export-c --fmu", error, "fmi") from None
+    fmpy = fmpy_for("railhil export-c --fmu")
     digest = hashlib.sha256("".join((fmi, *bundle.files.values())).encode())
     token = "{" + digest.hexdigest()[:32] + "}"
     inside = law_of(bundle, scenario, law, token)
     name = inside.name
     frame = f"railhil_fmi{fmi[0]}.c"
-    headers = Path(fmpy.__file__).parent / "c-code"
     sources = {
         **inside.files,
-        frame: template(frame, name),
-        **{header: (headers / header).read_text(encoding="utf-8") for header in _HEADERS[fmi]},
+        frame: template(frame, name, **INTEGERS),
+        **standard_headers(fmpy, fmi),
     }
     compiled = (f"{name}.c", "railhil_fmu.c", frame)
     library = _compiled(name, sources, compiled)
@@ -76,6 +73,12 @@ def write_fmu(bundle: Bundle, scenario: AnyScenario, law: LawSpec, path: Path, f
     except OSError as error:
         why = Words(f"cannot be written: {describe_os_error(error)}")
         raise InputError(path, "", why, "a file that can be written") from error
+
+
+def standard_headers(fmpy: Any, fmi: str) -> dict[str, str]:
+    """The headers of a version of FMI by name, from FMPy's copy."""
+    headers = Path(fmpy.__file__).parent / "c-code"
+    return {header: (headers / header).read_text(encoding="utf-8") for header in _HEADERS[fmi]}
 
 
 def _compiled(name: str, sources: Mapping[str, str], compiled: tuple[str, ...]) -> bytes:
@@ -109,7 +112,7 @@ def description(law: FmuLaw, fmi: str, sources: tuple[str, ...]) -> bytes:
     Integers have no units in either version: the description of each gives the value of 1.
 
     :param fmi: "2.0" or "3.0".
-    :param sources: the C files.
+    :param sources: the C files in it, none: only the binary is.
     """
     second = fmi == "2.0"
     token = "guid" if second else "instantiationToken"
@@ -118,14 +121,23 @@ def description(law: FmuLaw, fmi: str, sources: tuple[str, ...]) -> bytes:
         generationTool=f"railhil {version('railhil')}", variableNamingConvention="structured",
     )  # fmt: skip
     state = "FMUstate" if second else "FMUState"
-    simulation = {
-        "modelIdentifier": law.name, _STEP_SIZE: "true", f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"
-    }  # fmt: skip
+    simulation = {"modelIdentifier": law.name, _STEP_SIZE: "true"}
+    if law.keeps_state:
+        simulation |= {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
+    else:
+        simulation["canBeInstantiatedOnlyOncePerProcess"] = "true"
     if second:
         root.set("numberOfEventIndicators", "0")
-        files = ET.SubElement(ET.SubElement(root, "CoSimulation", simulation), "SourceFiles")
-        for file in sources:
-            ET.SubElement(files, "File", name=file)
+        kind = ET.SubElement(root, "CoSimulation", simulation)
+        if sources:
+            files = ET.SubElement(kind, "SourceFiles")
+            for file in sources:
+                ET.SubElement(files, "File", name=file)
+        names = sorted({one.unit for one in (*law.inputs, *law.outputs) if one.unit})
+        if names:
+            units = ET.SubElement(root, "UnitDefinitions")
+            for unit in names:
+                ET.SubElement(units, "Unit", name=unit)
     else:
         ET.SubElement(root, "CoSimulation", simulation)
         ET.SubElement(ET.SubElement(ET.SubElement(root, "UnitDefinitions"), "Unit", name="s"), "BaseUnit", s="1")
@@ -158,8 +170,11 @@ def _variable(parent: ET.Element, one: Variable, second: bool, reference: int, c
     values = {"start": "0"}
     if one.limits is not None:
         values |= {"min": str(one.limits[0]), "max": str(one.limits[1])}
+    if one.unit:
+        values["unit"] = one.unit
     if second:
-        ET.SubElement(ET.SubElement(parent, "ScalarVariable", attributes), "Integer", values)
+        kind = "Integer" if one.unit is None else "Real"
+        ET.SubElement(ET.SubElement(parent, "ScalarVariable", attributes), kind, values)
     else:
         ET.SubElement(parent, "Int32", attributes | values)
 

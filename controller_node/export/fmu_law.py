@@ -21,14 +21,28 @@ _COUNTERS = {"events.saturations": "saturations since the start", "events.zero_d
 _NO_WIRE = Wire("")
 #: C files of the FMU that do not depend on the version of FMI.
 _SHARED = ("railhil_fmu_law.h", "railhil_fmu.h", "railhil_fmu.c")
+#: Placeholders in the C of the frame, for integers and for real numbers.
+INTEGERS = {
+    "WHAT": "exported law", "TITLE": "exported control law",
+    "VALUES": "integers in, integers out, words\n * of the C as they are",
+    "TYPE": "Integer", "OTHER": "Real", "NUMBER": "int32_t",
+}  # fmt: skip
+REALS = {
+    "WHAT": "controller", "TITLE": "controller", "VALUES": "real numbers in and out",
+    "TYPE": "Real", "OTHER": "Integer", "NUMBER": "double",
+}  # fmt: skip
 
 
 class Variable(NamedTuple):
-    """One integer of the FMU. ``place``: its number among the inputs, or among the words of the result."""
+    """One variable of the FMU, an integer or, with a unit, a real number.
+
+    ``place``: its number among the inputs, or among the words of the result; ``unit``: empty if it has none.
+    """
 
     name: str
     place: int
     wire: Wire
+    unit: str | None = None
 
     @property
     def limits(self) -> tuple[int, int] | None:
@@ -41,9 +55,10 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class FmuLaw:
-    """An exported law as the inside of an FMU.
+    """An exported law, or a controller of the user, as the inside of an FMU.
 
-    ``files``: C files by name; ``token``: goes into the binary and the description, different for different laws.
+    ``files``: C files by name; ``token``: goes into the binary and the description, different for different laws;
+    ``keeps_state``: whether all of its state is in the instance.
     """
 
     name: str
@@ -52,6 +67,7 @@ class FmuLaw:
     outputs: tuple[Variable, ...]
     period_ns: int
     token: str
+    keeps_state: bool = True
 
 
 def law_of(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> FmuLaw:
@@ -67,7 +83,7 @@ def law_of(bundle: Bundle, scenario: AnyScenario, law: LawSpec, token: str) -> F
     )
     inputs = [Variable(column, at, wires.get(column, _NO_WIRE)) for at, column in enumerate(columns)]
     inputs.append(Variable(OTHER_SENT, len(inputs), Wire(_OTHER_SENT_WORDS)))
-    words = {
+    words = INTEGERS | {
         "GIVEN": ", ".join(places[word.column] for word in control.given),
         "TOLD": ", ".join(places[word.column] for word in control.told),
         "INPUTS": str(len(inputs)),

@@ -74,7 +74,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
     controller = kinds.add_parser("c-controller", help="a controller in C, C++ or Python, as a folder")
     _add(controller, "the new controller", "DIR", "folder for its files (default: NAME)", _new_controller)
-    controller.add_argument("--python", action="store_true", help="in Python, with a test for pytest")
+    form = controller.add_mutually_exclusive_group()
+    form.add_argument("--python", action="store_true", help="in Python, with a test for pytest")
+    form.add_argument("--fmu", action="store_true", help="in C, and make fmu builds it as an FMU (FMI 2.0)")
     controller.add_argument(
         "--scenario", metavar="SCENARIO", default=USUAL_SCENARIO, help="shipped name or TOML file: its system and times"
     )
@@ -109,13 +111,19 @@ def _new_controller(namespace: argparse.Namespace) -> int:
 
     name, folder = namespace.name, namespace.out or Path(namespace.name)
     _check_name("NAME", name)
-    made = (python_files if namespace.python else controller_files)(name, namespace.scenario)
+    if namespace.python:
+        made = python_files(name, namespace.scenario)
+    else:
+        made = controller_files(name, namespace.scenario, fmu=namespace.fmu)
     files = {folder / path: text for path, text in made.items()}
     _write(files)
     shown, check = quote(f"{folder}/"), f"make -C {quote(f'{folder}/')} check"
     if namespace.python:
         shown, check = quote(f"{folder}/{name}.py:{PYTHON_CLASS}"), f"pytest {quote(f'{folder}/')}"
     commands = [f"railhil run {quote(namespace.scenario)} --controller {shown}", check]
+    if namespace.fmu:
+        built = quote(f"{folder}/build/{name}.fmu")
+        commands = [f"make -C {shown} fmu", f"railhil run {quote(namespace.scenario)} --controller {built}", check]
     return _say(namespace, folder, list(files), commands)
 
 

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.c_controller.around import PREFIX, given_files
+from railhil.controller_node.c_controller.fmu import fmu_files
 from railhil.controller_node.c_controller.folder import AROUND, TABLE, ControllerFolder
 from railhil.controller_node.given.computing import Quantity, Terms
 from railhil.controller_node.given.python import PythonFile
@@ -32,13 +33,14 @@ _HEADERS = """
 """
 
 
-def controller_files(name: str, scenario_text: str) -> dict[str, str]:
+def controller_files(name: str, scenario_text: str, *, fmu: bool = False) -> dict[str, str]:
     """Files of the folder by their paths in it.
 
     :param name: of the controller, checked to be a name.
     :param scenario_text: shipped name or TOML file; the C around the controller is made for it.
+    :param fmu: with the target ``fmu``.
     :raises InputError: the name has another meaning in C, or the scenario cannot be loaded or its system takes no
-        controller of a user.
+        controller of a user, or FMPy is missing.
     """
     if name in (PREFIX, *_HEADERS.split()) or name.startswith("railhil"):
         raise InputError("command line", "NAME", name, f"no header of C, not {PREFIX}, not railhil...")
@@ -49,6 +51,8 @@ def controller_files(name: str, scenario_text: str) -> dict[str, str]:
         given = ControllerFolder(draft)
         terms = _terms(given, scenario)
         around = given_files(scenario, LawSpec.of_given(given), terms)
+    if fmu:
+        around |= fmu_files(name, terms, scenario.timing.control_period_ns, "railhil new c-controller --fmu")
     units = {one.name: f" /* {one.unit} */" if one.unit else "" for one in terms.commands}
     commands = "\n".join(f"    out->{command} = 0.0f;{unit}" for command, unit in units.items())
     words = {**table, "macro": name.upper(), "scenario": scenario_text, "commands": commands}

@@ -63,7 +63,12 @@ class _Group(NamedTuple):
     call: Callable[..., Any]
 
 
-def _library(command: str) -> Any:
+def fmpy_for(command: str) -> Any:
+    """FMPy.
+
+    :param command: for an error: needs it.
+    :raises InputError: it is not installed.
+    """
     try:
         import fmpy
     except ImportError as error:
@@ -98,7 +103,7 @@ class Fmu:
         several: str = "",
         folder: Path | None = None,
     ) -> None:
-        fmpy = _library(command)
+        fmpy = fmpy_for(command)
         self.file = file
         self.quantities = quantities
         given = None if names is None else read_names(names, quantities)

@@ -54,3 +54,6 @@ sources:
 
 clean:
 	rm -rf $(BUILD)
+
+# By railhil new c-controller --fmu.
+-include $(RAILHIL)/fmu.mk

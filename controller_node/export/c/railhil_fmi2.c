@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 co-simulation around the exported law @LAW@. */
+/* The functions of FMI 2.0 co-simulation around the @WHAT@ @LAW@. */
 #include <stdlib.h>
 
 #include "fmi2Functions.h"
@@ -24,12 +24,12 @@ fmi2Status fmi2Reset(fmi2Component c)
     return fmi2OK;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Integer value[])
+fmi2Status fmi2Get@TYPE@(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2@TYPE@ value[])
 {
     return status(fmu_get(c, r, n, value));
 }
 
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer value[])
+fmi2Status fmi2Set@TYPE@(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2@TYPE@ value[])
 {
     return status(fmu_set(c, r, n, value));
 }
@@ -65,7 +65,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
         return status(n == 0); \
     }
 
-NONE_OF(Real)
+NONE_OF(@OTHER@)
 NONE_OF(Boolean)
 NONE_OF(String)
 

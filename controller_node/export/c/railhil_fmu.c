@@ -27,7 +27,7 @@ void fmu_begin(fmu_t *one)
     one->period = -1;
 }
 
-int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, int32_t *values)
+int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, @NUMBER@ *values)
 {
     size_t i;
     for (i = 0; i < count; i++) {
@@ -43,7 +43,7 @@ int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, int32_t 
     return 1;
 }
 
-int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const int32_t *values)
+int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const @NUMBER@ *values)
 {
     size_t i;
     for (i = 0; i < count; i++) {

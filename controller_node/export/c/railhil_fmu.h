@@ -1,5 +1,4 @@
-/* The exported control law @LAW@ as an FMU, without the functions of a version of FMI: integers in, integers out, words
- * of the C as they are.
+/* The @TITLE@ @LAW@ as an FMU, without the functions of a version of FMI: @VALUES@.
  *
  * In the first step of each control period the law runs with the inputs of that instant; a step is at most a period.
  * Before it, the commands really sent (if the input OTHER_SENT is not 0) are passed to the law.
@@ -19,7 +18,7 @@
 enum { INPUTS = @INPUTS@, OTHER_SENT = @OTHER_SENT@, TIME = 999, RESULT = 1000 };
 
 typedef struct {
-    int32_t input[INPUTS];
+    @NUMBER@ input[INPUTS];
     fmu_law_t law;
     double period; /* the last one in which the law ran; -1: it has not */
     double time_s; /* at the end of the last step */
@@ -32,8 +31,8 @@ fmu_t *fmu_new(const char *token);
 void fmu_begin(fmu_t *one);
 
 /* Words by their value references; 0: there is no such word. */
-int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, int32_t *values);
-int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const int32_t *values);
+int fmu_get(const fmu_t *one, const uint32_t *references, size_t count, @NUMBER@ *values);
+int fmu_set(fmu_t *one, const uint32_t *references, size_t count, const @NUMBER@ *values);
 
 /* Keep all of an instance in *state (NULL: a new one), and go back to it; 0: no memory, or no state. */
 int fmu_keep(const fmu_t *one, void **state);
