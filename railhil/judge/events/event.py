@@ -11,7 +11,8 @@ from pathlib import Path
 EVENTS = "events.csv"
 #: A watch has left its level NORMAL; the cause may change while it lasts, which is an event of its own.
 LEVEL = "level"
-#: A node before its normal work: a watch before the first command, a controller that initialises.
+#: A node outside its normal work: a watch before the first command, a controller that initialises, has ended, or sends
+#: a level that there is not.
 START = "start"
 #: Telegrams that their receiver refuses.
 REFUSED = "refused"

@@ -297,7 +297,8 @@ def watch_events(scenario: AnyScenario, trace: Trace, watch: Watch, end_s: float
         # A level that was taken without a cause of the watch, as by an open safety loop.
         cause = "" if cause == _NO_CAUSE else cause
         if level not in watch.ladder:
-            yield RecordedEvent(begun_s, watch.name, START, word, until_s=until_s)
+            detail = f"{watch.level} {level} is no value of {watch.port}" if word == str(level) else ""
+            yield RecordedEvent(begun_s, watch.name, START, word, until_s=until_s, detail=detail)
         elif first == 0 and cause in watch.start and after < len(levels):
             detail = watch.said(scenario, word, cause)
             yield RecordedEvent(begun_s, watch.name, START, cause, word, until_s=until_s, detail=detail)

@@ -10,6 +10,7 @@ import pytest
 
 from railhil.bus.ident import PltIdent, Role, make_ident
 from railhil.dbc import wire_contract
+from railhil.judge.events.telegrams import events_of
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.record.trace import NodeCounters, Trace
@@ -76,7 +77,7 @@ class Story:
                 if tick not in self.truth_lost:
                     made.add(SimTruth.PORT, now_ns, truth.encode())
                 made.add(TrnPos.PORT, now_ns, TrnPos(0, 0, self.notch_actual_16th(tick), life=tick // 2 & 15).encode())
-                mode = CtlMode(CtlMode.RUNNING + self.controller_level(tick))
+                mode = int(CtlMode.RUNNING) + self.controller_level(tick)
                 if tick not in self.without:
                     late.append(NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15))
                 if tick not in self.command_late:
@@ -95,6 +96,23 @@ def found(story: Story) -> list[str]:
 
 def test_a_quiet_run_breaks_no_rule() -> None:
     assert found(Story(traction_20n=lambda tick: 500)) == []
+
+
+@pytest.mark.parametrize(("level", "words"), [(5, ("ended", "")), (6, ("7", "CtlMode 7 is no value of NOTCH_CMD"))])
+def test_a_mode_that_is_no_level_is_judged_and_shown(level: int, words: tuple[str, str]) -> None:
+    """A foreign controller may send any value."""
+    story = Story(controller_level=lambda tick: level if 40 <= tick < 60 else 0)
+    assert found(story) == []
+    (event,) = (event for event in events_of(SCENARIO, story.trace()) if event.source == "controller")
+    assert (event.time_s, event.until_s, (event.cause, event.detail)) == (0.4, 0.6, words)
+
+
+def test_a_level_that_the_watch_of_the_train_does_not_have_is_not_known() -> None:
+    story = Story(train_level=lambda tick: 7 if 40 <= tick < 60 else 0, traction_20n=lambda tick: 500)
+    assert found(story) == []
+    assert "WatchLevel 7 is no value of TRN_WATCH" in {
+        event.detail for event in events_of(SCENARIO, story.trace()) if event.source == "train"
+    }
 
 
 def test_the_numbers_are_those_of_the_watches() -> None:

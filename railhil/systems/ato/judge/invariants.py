@@ -133,11 +133,16 @@ def _has_fault(scenario: Scenario, level: str, name: str) -> bool:
     return any((fault.place.level, fault.place.name) == (level, name) for fault in parse_faults(scenario.faults))
 
 
+def _place(level: IntArray) -> IntArray:
+    """Places in :data:`LEVELS`; -1 for values that are no level."""
+    return np.where((level >= 0) & (level < len(LEVELS)), level, -1)
+
+
 def _told_levels(trace: Trace) -> IntArray:
     """Level of the train's watch in each TRN_WATCH; -1 (unknown) where the next one is missing from the record."""
     life = trace.raw(TrnWatch.PORT, "WatchLife")
     before_gap = np.append((np.diff(life) & 0xF) != 1, False)
-    return np.where(before_gap, -1, trace.raw(TrnWatch.PORT, "WatchLevel"))
+    return np.where(before_gap, -1, _place(trace.raw(TrnWatch.PORT, "WatchLevel")))
 
 
 def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
@@ -148,8 +153,11 @@ def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
 
 
 def _controller_levels(trace: Trace) -> IntArray:
-    """Level in each NOTCH_CMD; -1 for a controller that initialises: after a restart it has no level to keep."""
-    return trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING)
+    """Level in each NOTCH_CMD; -1 for a mode without one.
+
+    A controller that initialises after a restart has no level to keep, one that has ended has none either.
+    """
+    return _place(trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING))
 
 
 def _commanded_traction(trace: Trace) -> Iterator[str]:
