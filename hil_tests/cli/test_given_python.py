@@ -97,6 +97,8 @@ def test_where_parameters_are_named_its_code_is(folder: Path) -> None:
     done = command("run", *words, "--controller", TEXT, cwd=folder)
     assert "parameters: in the code of mine-step" in done.out
     assert "--controller ipfc_plus" not in done.out
+    (run,) = (path for path in (folder / "runs").iterdir() if path.is_dir() and not path.is_symlink())
+    assert command("replay", run, "--node", "plant", cwd=folder).exit_code == 0, "the plant needs no law"
     done = command("compare", *words, "--laws", f"ipfc,{TEXT}", cwd=folder)
     assert "mine-step: in the code of mine-step" in done.out
 

@@ -80,6 +80,7 @@ def document(found: Checked) -> dict[str, object]:
     return {
         "verdict": "FAIL" if found.faults else "PASS",
         "faults": found.faults,
+        "notes": found.notes,
         "stated": found.stated,
         "lives": found.lives,
         "latency_ms": {
@@ -115,6 +116,6 @@ def show(console: Output, found: Checked, pace: str) -> None:
         console.say(f"answers to {name}: {least:.2f} / {median:.2f} / {most:.2f} ms (min / median / max){said}")
     if found.others:
         console.say(f"{count_of(found.others, 'frame')} with identifiers that the bench does not have")
-    for line in found.faults:
+    for line in (*found.notes, *found.faults):
         console.say(line)
     console.say("FAIL" if found.faults else "PASS")

@@ -118,6 +118,9 @@ def main() -> int:
         stream, periods = _instructions(control)
         bundle.files[f"{bundle.source.name}_c28x.txt"] = stream.listing()
     write_bundle(bundle, namespace.out, force=namespace.force)
+    if not namespace.c28x:
+        # The instructions of an earlier export are not those of this law.
+        (namespace.out / f"{bundle.source.name}_c28x.txt").unlink(missing_ok=True)
     fmu = namespace.out / f"{bundle.source.name}.fmu"
     if namespace.fmu:
         from railhil.controller_node.export.fmu import write_fmu

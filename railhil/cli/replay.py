@@ -100,7 +100,9 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
         law = LawSpec(controller, law.arithmetic, law.indexing, task_period_ms=law.task_period_ms)
     if arithmetic is not None:
         law = replace(law, arithmetic=arithmetic)
-    system.check_law(law.controller, "command line", "--controller")
+    if law.given is None:
+        # The law of a controller of the user's is not one of the system's; the plant needs neither.
+        system.check_law(law.controller, "command line", "--controller")
     return replace(spec, law=law)
 
 

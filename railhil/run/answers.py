@@ -157,10 +157,25 @@ def value_faults(port: Port, signal: Signal, raw: int) -> list[Fault]:
     if allowed is not None and raw not in allowed:
         right = " or ".join(_code(signal, one) for one in allowed)
         return [Fault(signal.name, f"{port.name}: {signal.name} {_code(signal, raw)}, right {right}")]
+    if _is_enumeration(signal) and raw not in signal.values:
+        right = ", ".join(f"{value} ({word})" for value, word in sorted(signal.values.items()))
+        return [Fault(signal.name, f"{port.name}: {signal.name} {raw}, right {right}")]
     value, low, high = raw * signal.scale, signal.minimum, signal.maximum
     if low is not None and high is not None and not low <= value <= high:
         return [Fault(signal.name, f"{port.name}: {signal.name} {value:g} {signal.unit}, right {low:g} to {high:g}")]
     return []
+
+
+def _is_enumeration(signal: Signal) -> bool:
+    """Whether its words name all its values; a table without 0 names a special value among numbers."""
+    return 0 in signal.values
+
+
+def constant_flags(port: Port, signal: Signal, raws: Sequence[int]) -> Iterator[str]:
+    """A flag that is set in all answers, and is not as usual: right, but worth a look."""
+    if signal.check == "antivalent" and {*raws} == {FLAG_FALSE + FLAG_TRUE - signal.default}:
+        found, usual = signal.values[raws[0]], signal.values[signal.default]
+        yield f"{port.name}: {signal.name} {found} in every answer, usual {usual}"
 
 
 def _code(signal: Signal, raw: int) -> str:

@@ -33,7 +33,7 @@ from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.supervision import RunEndpoint
 from railhil.record.trace import Trace
-from railhil.run.answers import Fault, Form, ids_words, life_faults, value_faults, value_words
+from railhil.run.answers import Fault, Form, constant_flags, ids_words, life_faults, value_faults, value_words
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -61,12 +61,14 @@ class Answer:
 @dataclass(slots=True)
 class Checked:
     """What was found. ``faults``: one line each; ``stated``: what the controller says of itself; ``lives``: life signs
-    by port; ``others``: number of frames with identifiers that the bench does not have."""
+    by port; ``notes``: one line for each flag that is never as usual; ``others``: number of frames with identifiers
+    that the bench does not have."""
 
     answers: list[Answer] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
     stated: dict[str, str] = field(default_factory=dict)
     lives: dict[str, list[int]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
     others: int = 0
 
     @property
@@ -182,9 +184,11 @@ class FirstCheck:
                 said = "" if faults else f"status {form.data(frames).hex()}"
                 self._checked.answers.append(Answer(-1, form.name, heard[-1][0], said))
                 return
+        ids = ids_words(sorted(set(self._other_ids)))
+        instead = f", but frames {ids} have come, right {ids_words(form.can_ids)}" if ids else ""
         raise PeerSilent(
             f"no controller answers the device status poll ({poll.can_id:03X}#{poll.data.hex().upper()}) "
-            f"within {self._appear_ns / 1e9:g} s"
+            f"within {self._appear_ns / 1e9:g} s{instead}"
         )
 
     def _ask(self, port: Port, tick: int) -> None:
@@ -281,7 +285,9 @@ class FirstCheck:
     def _judge_values(self, port: Port) -> None:
         """Check variables, ranges and the life sign of all answers of a port."""
         for signal in port.signals:
-            for raw in self._trace.raw(port.name, signal.name).tolist():
+            raws = self._trace.raw(port.name, signal.name).tolist()
+            self._checked.notes += constant_flags(port, signal, raws)
+            for raw in raws:
                 self._note(value_faults(port, signal, raw))
         if port.life is not None:
             lives = self._trace.raw(port.name, port.life.name).tolist()

@@ -285,6 +285,9 @@ def test_the_export_lists_the_instructions_and_their_cycles(tmp_path: Path) -> N
     assert "every word of 480 control periods is the law's, no chip has run it" in done.out
     listing = (tmp_path / "out" / "ipfc_plus_c28x.txt").read_text(encoding="ascii")
     assert all(f"\n{name}:\n" in listing for name in ("inputs", "start", "step", "sent"))
+    # The instructions of an earlier export are not those of this one.
+    assert railhil("export-c", "ipfc_plus", "--out", tmp_path / "out", "--force").exit_code == 0
+    assert not (tmp_path / "out" / "ipfc_plus_c28x.txt").exists()
 
 
 @pytest.mark.slow

@@ -58,7 +58,7 @@ def checked(
 
 def test_a_good_controller_passes_and_is_understood(run_2m: Scenario) -> None:
     found = checked(run_2m)
-    assert (found.faults, found.exit_code, found.others) == ([], PASS, 0)
+    assert (found.faults, found.notes, found.exit_code, found.others) == ([], [], PASS, 0)
     assert found.stated == {"law": "ipfc", "arithmetic": "iq", "indexing": "time"}
     lives = found.lives["NOTCH_CMD"]
     assert [(life - lives[0]) % 16 for life in lives] == list(range(10))
@@ -128,6 +128,11 @@ def telegram(kind: type[CtlIdent | CtlStat | NotchCmd], **values: int | Callable
         (NOTCH, telegram(NotchCmd, check=0), ["NOTCH_CMD: NotchChk 00 (erroneous), right 01 (correct) (10 times)"]),
         (NOTCH, telegram(NotchCmd, emergency=3),
          ["EmergencyBrake 11 (undefined), right 01 (false) or 10 (true) (10 times)"]),
+        (NOTCH, telegram(NotchCmd, mode=7), ["NOTCH_CMD: CtlMode 7, right 0 (initialising)", "(10 times)"]),
+        (NOTCH, telegram(NotchCmd, cause=31), ["NOTCH_CMD: CtlCause 31, right 0 (none)", "17 (track_age) (10 times)"]),
+        (STAT, telegram(CtlStat, ladder_level=9), ["CTL_STAT: LadderLevel 9, right 0 (normal)", "(2 times)"]),
+        (IDENT, telegram(CtlIdent, arithmetic=15), ["CTL_IDENT: CtlArithmetic 15, right 0 (none), 1 (float64)"]),
+        (IDENT, telegram(CtlIdent, indexing=3), ["CTL_IDENT: CtlIndexing 3, right 0 (none), 1 (time), 2 (distance)"]),
         (NOTCH, telegram(NotchCmd, notch_256th=2048), ["NOTCH_CMD: NotchCmd 8 notch, right -7 to 7 (10 times)"]),
         (STAT, lambda frames, _: frames[::-1],
          ["CTL_STAT: frames 13C 139 138, right 138 139 13C, in this order (2 times)"]),
@@ -146,6 +151,25 @@ def test_each_fault_is_one_line(run_2m: Scenario, changed: int, change: Change, 
     assert len(found.faults) == 1, found.faults
     assert [words for words in expected if words not in found.faults[0]] == [], found.faults
     assert found.exit_code == FAIL
+
+
+@pytest.mark.parametrize(
+    ("changed", "change", "note"),
+    [
+        (NOTCH, telegram(NotchCmd, emergency=2), "NOTCH_CMD: EmergencyBrake true in every answer, usual false"),
+        (STAT, telegram(CtlStat, ready=1), "CTL_STAT: CtlReady false in every answer, usual true"),
+    ],
+)
+def test_a_flag_that_is_never_as_usual_is_said_and_no_fault(
+    run_2m: Scenario, changed: int, change: Change, note: str
+) -> None:
+    found = checked(run_2m, changed, change)
+    assert (found.notes, found.faults) == ([note], [])
+
+
+def test_the_seed_of_a_controller_is_not_compared(run_2m: Scenario) -> None:
+    found = checked(run_2m, IDENT, telegram(CtlIdent, seed=77, perturbed=2))
+    assert found.faults == []
 
 
 def test_the_form_of_can_fd_is_checked_as_well(run_2m: Scenario) -> None:
@@ -184,6 +208,11 @@ def test_without_an_answer_nothing_is_said_about_the_controller(run_2m: Scenario
     ) as no:
         checked(run_2m, STATUS, lambda frames, number: [])
     assert exit_code_of(no.value) == INVALID
+
+
+def test_an_answer_under_another_identifier_is_named(run_2m: Scenario) -> None:
+    with pytest.raises(PeerSilent, match=r"within 1 s, but frames 089 have come, right 088$"):
+        checked(run_2m, STATUS, lambda frames, number: [Frame(STATUS + 1, frames[0].data)])
 
 
 def test_the_node_learns_that_the_run_is_over(run_2m: Scenario) -> None:
