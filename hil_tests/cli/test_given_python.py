@@ -74,7 +74,7 @@ def proportional(reading: Any) -> float:
 
 def test_a_function_is_run_in_a_test_at_once_and_by_its_clock(bench: Bench, folder: Path) -> None:
     whole = bench.run()
-    assert whole.certificate["controller"] == "proportional"
+    assert whole.certificate["controller"] == "test_given_python-proportional"
     with bench.start() as live:
         live.finish()
     assert live.result is not None
