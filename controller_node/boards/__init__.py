@@ -37,6 +37,10 @@ _REGION = re.compile(r"^\s*(ROM|RAM|STACK):\s+(\d+) ([KMG]?)B\s+(\d+) ([KMG]?)B"
 _UNITS = {"": 1, "K": 1024, "M": 1024**2, "G": 1024**3}
 
 
+#: The linker's words for a function that nobody has.
+_UNDEFINED = "undefined reference to "
+
+
 class Program(BaseModel):
     """A program of the host, and the Debian packages that have it."""
 
@@ -213,12 +217,16 @@ class Board:
     def _call(self, words: Sequence[str], folder: Path) -> str:
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False, env=_plain_environment())
         if done.returncode:
-            errors = [line for line in done.stderr.splitlines() if "error: " in line or "undefined reference" in line]
+            lines = done.stderr.splitlines()
+            missing = [line[line.index(_UNDEFINED) :] for line in lines if _UNDEFINED in line]
+            errors = missing or [line for line in lines if "error: " in line]
             where, _, said = (errors or [done.stderr.strip() or f"exit code {done.returncode}"])[0].rpartition(
                 "error: "
             )
             file = where.rstrip(" :").removesuffix("fatal").rstrip(" :") or f"board {self.name}"
-            raise InputError(file, Path(words[0]).name, Words(said), "files that it compiles")
+            raise InputError(
+                file, Path(words[0]).name, Words(said), "files that it compiles and links without an operating system"
+            )
         return done.stdout
 
 

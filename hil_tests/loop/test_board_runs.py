@@ -183,6 +183,15 @@ def test_a_c_controller_of_a_user_runs_on_a_board_as_on_the_host(short: Path, tm
     assert log_sha256(tmp_path / "board" / "frames.log") == log_sha256(tmp_path / "host" / "frames.log")
 
 
+def test_a_function_that_needs_an_operating_system_is_named(short: Path, tmp_path: Path) -> None:
+    assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
+    code = tmp_path / "mine" / "mine.c"
+    code.write_text("#include <stdio.h>\n" + code.read_text().replace("out->notch = notch;", 'printf("%d", 1);'))
+    done = _run(short, tmp_path / "out", "--controller", f"qemu:{tmp_path / 'mine'}")
+    assert (done.exit_code, done.err.count("\n")) == (2, 1)
+    assert "undefined reference to `_" in done.err
+
+
 def test_the_laws_of_a_suite_run_on_the_board_of_the_session(short: Path, pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         f"""
