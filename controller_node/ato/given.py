@@ -31,6 +31,7 @@ class GivenNotchLaw(SkeletonLaw, Law[T, Sent]):
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any = None) -> None:
         self._arithmetic = arithmetic
         period_s = scenario.timing.control_period_ns / 1e9
+        limit = scenario.train.notch_max
         self.terms = Terms(
             (
                 Quantity("time_s", "s", "in.track.k", period_s),
@@ -42,11 +43,10 @@ class GivenNotchLaw(SkeletonLaw, Law[T, Sent]):
                 Quantity("balise_odometer_m", "m", "in.track.balise.odometer_01mm", _M_PER_01MM),
                 Quantity("sent_notch", "notch", "state.notch"),
             ),
-            (Quantity("notch", "notch", "out.notch"),),
+            (Quantity("notch", "notch", "out.notch", largest=limit, step=2.0**-NOTCH_Q),),
             period_s,
         )
         self._zero = arithmetic.const(Constant("zero", 0.0, NOTCH_Q, "skeleton"))
-        limit = scenario.train.notch_max
         self._limits = [
             arithmetic.const(Constant(f"notch_{sign}", sign * limit, NOTCH_RAW_Q, "train")) for sign in (1, -1)
         ]

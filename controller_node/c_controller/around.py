@@ -71,7 +71,8 @@ def _user_header(name: str, system: str, terms: Terms) -> str:
             "",
             f"/* Contents of the symbol {name}_interface of a shared library. */",
             f'#define {prefix}_INTERFACE "{terms.interface}"',
-            f"#define {prefix}_PERIOD_S {terms.period_s:g}f",
+            f"#define {prefix}_PERIOD_S {_literal(terms.period_s)}",
+            *(line for one in terms.commands for line in _command_defines(prefix, one)),
             "",
             "typedef struct {",
             *members(terms.readings),
@@ -93,6 +94,19 @@ def _user_header(name: str, system: str, terms: Terms) -> str:
             "",
         ],
     )
+
+
+def _command_defines(prefix: str, one: Quantity) -> list[str]:
+    """What the bench makes of a command, where that is stated."""
+    name = f"{prefix}_{one.name.upper()}"
+    return [
+        *([] if one.largest is None else [f"#define {name}_MAX {_literal(one.largest)}"]),
+        *([] if one.step is None else [f"#define {name}_STEP {_literal(one.step)}"]),
+    ]
+
+
+def _literal(value: float) -> str:
+    return f"{float(value)!r}f"
 
 
 class _Writer(SourceWriter):

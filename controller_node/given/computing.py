@@ -21,13 +21,16 @@ from railhil.scenarios.run_spec import RunSpec
 class Quantity(NamedTuple):
     """A reading, or a command, in its unit.
 
-    A reading is a leaf of a law's inputs and state (``in.speed``, ``state.sent[0]``) times a factor.
+    A reading is a leaf of a law's inputs and state (``in.speed``, ``state.sent[0]``) times a factor. A command is sent
+    within plus and minus ``largest``, as a multiple of ``step`` (None: not stated).
     """
 
     name: str
     unit: str
     leaf: str = ""
     factor: float = 1.0
+    largest: float | None = None
+    step: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import json
 import re
+import runpy
 import shutil
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -107,6 +110,30 @@ def test_the_test_of_a_new_folder_fails_when_the_body_is_wrong(tmp_path: Path) -
     source.write_text(source.read_text().replace("+ PROPORTIONAL", "- PROPORTIONAL"))
     done = make(mine, "check")
     assert (done.returncode != 0, "a train that is too slow is accelerated" in done.stdout) == (True, True)
+
+
+def test_the_example_stays_within_the_notches_of_its_train_whatever_the_period(tmp_path: Path) -> None:
+    text = FAST_TOML + "[train]\nnotch_max = 4\n[timing]\ncontrol_period_ms = 1000\n"
+    (tmp_path / "weak.toml").write_text(text, encoding="utf-8")
+    for name, *options in (("weak",), ("python", "--python")):
+        done = railhil("new", "c-controller", name, "--scenario", "weak.toml", *options, cwd=tmp_path)
+        assert done.exit_code == 0, done.err
+    assert make(tmp_path / "weak", "lib").returncode == 0
+    library = ctypes.CDLL(str(tmp_path / "weak/build/weak.so"))
+    readings, commands = (_members(tmp_path / "weak/railhil/weak.h", side) for side in ("readings", "commands"))
+    given, answer = (ctypes.c_float * len(readings))(), (ctypes.c_float * len(commands))()
+    given[readings.index("set_point_mps")] = 10.0
+    library.weak_step(given, answer)
+    python = runpy.run_path(str(tmp_path / "python/python.py"))["Controller"]()
+    python.reset()
+    reading = SimpleNamespace(**{**dict.fromkeys(readings, 0.0), "set_point_mps": 10.0})
+    assert list(answer) == [python.step(reading)["notch"]] == [4.0]
+
+
+def _members(header: Path, side: str) -> list[str]:
+    """Names of the readings or commands of a controller, in the order of its header."""
+    (found,) = re.findall(rf"typedef struct {{\n([^}}]*)}} \w+_{side}_t;", header.read_text())
+    return re.findall(r"float (\w+);", found)
 
 
 def test_the_certificate_has_files_and_compiler_and_a_rerun_gives_the_same_bytes(folder: Path) -> None:

@@ -77,6 +77,8 @@ def python_files(name: str, scenario_text: str) -> dict[str, str]:
         "scenario": repr(str(Path(scenario_text).resolve()) if scenario_text.endswith(".toml") else scenario_text),
         "table": "\n".join(table),
         "period_s": repr(terms.period_s),
+        **{f"{one.name}_max": one.largest for one in terms.commands},
+        **{f"{one.name}_step": one.step for one in terms.commands},
         "commands": "\n".join(f'            "{one.name}": 0.0,' for one in terms.commands),
         "verdicts": '("PASS",)' if is_example else '("PASS", "FAIL")',
     }
