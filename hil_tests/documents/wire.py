@@ -31,25 +31,28 @@ SIMPLEST: Final[tuple[Telegram, ...]] = (
     NotchCmd(notch_256th=-384, mode=CtlMode.RUNNING, life=5),
     CtlStat(life=9),
 )
-#: Why a value stands there, by the signal.
-_WHY: Final = {
+#: What stands there instead of one value, by the signal.
+_INSTEAD: Final = {
     "CtlScenarioHash": "as in PLT_IDENT",
     "CtlWireHash": "first 32 bits of the SHA-256 of the DBC, or as in PLT_IDENT",
     "CtlSeed": "any value: not compared",
-    "CtlLaw": "0: not stated",
-    "CtlArithmetic": "0: not stated",
-    "CtlIndexing": "0: not stated",
-    "CtlRole": "1: controller",
-    "CtlPerturbed": "1: false or 2: true, not compared",
     "CtlPace": "as in PLT_IDENT, or 0: not stated",
     "CtlVersion": "as in PLT_IDENT",
     "NotchCmd": "the command, 1/256 notch",
-    "CtlMode": "1: running",
-    "EmergencyBrake": "1: false; anything else applies the emergency brake",
     "StepCount": "control steps so far, or 0",
-    "TelemetryIndex": "127: no quantity",
-    "TelemetryHeadroom": "31: no fixed point",
-    "CtlReady": "2: true",
+}
+#: What the value means, where the port table has a word for its own use, or none.
+_MEANS: Final = {
+    "CtlLaw": "not stated",
+    "CtlArithmetic": "not stated",
+    "CtlIndexing": "not stated",
+    "TelemetryIndex": "no quantity",
+    "TelemetryHeadroom": "no fixed point",
+}
+#: What is to be said beside the value.
+_BESIDE: Final = {
+    "CtlPerturbed": "; not compared",
+    "EmergencyBrake": "; anything else applies the emergency brake",
 }
 
 
@@ -135,6 +138,7 @@ def _signals(telegram: Telegram) -> Iterator[str]:
 def _said(signal: Signal, value: int) -> str:
     if signal.name.endswith("Life"):
         return "life sign"
-    if signal.check == "chk":
-        return f"{value}: {signal.values.get(value, 'correct')}"
-    return _WHY.get(signal.name, f"{value}")
+    if signal.name in _INSTEAD:
+        return _INSTEAD[signal.name]
+    word = _MEANS.get(signal.name, signal.values.get(value, "") if value else "")
+    return f"{value}{word and ': '}{word}{_BESIDE.get(signal.name, '')}"
