@@ -45,7 +45,10 @@ def words_of(scenario: AnyScenario) -> dict[str, Word]:
 
 
 def quantities_of(terms: Terms, words: Mapping[str, Word]) -> Quantities:
-    """Readings and commands in their units, and the raw integers of the wire."""
+    """Readings and commands in their units, and the raw integers of the wire.
+
+    :raises KeyError: an integer of none of them.
+    """
     inputs = {one.name: Input(one.unit or "1", 0.0, _OTHERS.get(one.unit, 1.0)) for one in terms.readings}
     outputs = {one.name: Output(one.unit or "1") for one in terms.commands}
     for name, word in words.items():
@@ -56,6 +59,8 @@ def quantities_of(terms: Terms, words: Mapping[str, Word]) -> Quantities:
             inputs[name] = Input("1", 0.0, 1.0)
         elif word.quantity in outputs:
             outputs[name] = Output("1")
+        else:
+            raise KeyError(f"{name}: no reading or command {word.quantity}")
     if any(name.startswith(_SENT) for name in words):
         inputs[OTHER_SENT] = Input("1", 0.0, 1.0)
     return Quantities(inputs, outputs, any_number=True)

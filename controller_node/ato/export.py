@@ -16,6 +16,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.ato import balises, guard, odometer, plausibility, speed_monitors, speed_watch, track_info
 from railhil.controller_node.ato import export_runs as notch_runs
 from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
+from railhil.controller_node.ato.given import M_PER_01MM
 from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.control import (
@@ -57,7 +58,7 @@ def _largest(kind: type[Telegram], field: str) -> int:
 
 def _lsb(kind: type[Telegram], field: str) -> int:
     """1 of a signal, in 0.1 mm or 0.1 mm/s."""
-    return round(_signal(kind, field).scale * 1e4)
+    return round(_signal(kind, field).scale / M_PER_01MM)
 
 
 def _limits() -> list[Define]:
@@ -202,7 +203,7 @@ class NotchControl(Control):
     @classmethod
     def wires(cls, scenario: Scenario) -> dict[str, Wire]:
         def length(words: str, quantity: str) -> Wire:
-            return Wire(words, quantity=quantity, one=1e-4)
+            return Wire(words, quantity=quantity, one=M_PER_01MM)
 
         notch = Wire.of(NotchCmd, "notch_256th", "notch")
         period_s = scenario.timing.control_period_ns / 1e9

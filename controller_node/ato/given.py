@@ -10,7 +10,8 @@ from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, Law, LawInpu
 from railhil.systems.ato.scenario.model import Scenario
 
 _MPS_PER_KMH = 1 / 3.6
-_M_PER_01MM = 1e-4
+#: 1 of a word in 0.1 mm, or in 0.1 mm/s.
+M_PER_01MM = 1e-4
 
 
 class Sent(NamedTuple):
@@ -37,10 +38,10 @@ class GivenNotchLaw(SkeletonLaw, Law[T, Sent]):
                 Quantity("time_s", "s", "in.track.k", period_s),
                 Quantity("speed_mps", "m/s", "in.speed", _MPS_PER_KMH),
                 Quantity("set_point_mps", "m/s", "in.set_point", _MPS_PER_KMH),
-                Quantity("position_m", "m", "in.track.position_01mm", _M_PER_01MM),
+                Quantity("position_m", "m", "in.track.position_01mm", M_PER_01MM),
                 Quantity("balise", "", "in.track.balise.number"),
-                Quantity("balise_m", "m", "in.track.balise.position_01mm", _M_PER_01MM),
-                Quantity("balise_odometer_m", "m", "in.track.balise.odometer_01mm", _M_PER_01MM),
+                Quantity("balise_m", "m", "in.track.balise.position_01mm", M_PER_01MM),
+                Quantity("balise_odometer_m", "m", "in.track.balise.odometer_01mm", M_PER_01MM),
                 Quantity("sent_notch", "notch", "state.notch"),
             ),
             (Quantity("notch", "notch", "out.notch", largest=limit, step=2.0**-NOTCH_Q),),

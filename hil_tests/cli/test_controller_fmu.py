@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,10 @@ from hil_tests.support.cli import Done, railhil_process
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.common.errors import InputError
-from railhil.controller_node.fmu import FmuComputer, words_of
-from railhil.controller_node.given.computing import Quantity, Terms
-from railhil.scenarios.load import load
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.fmu import FmuComputer, Word, quantities_of, words_of
+from railhil.controller_node.given.computing import Terms
+from railhil.scenarios.load import load, load_any
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow]
 
@@ -127,6 +129,23 @@ def test_the_words_of_the_wire_stand_for_readings_and_commands() -> None:
     assert words["k"] == ("time_s", 0.5)
 
 
+def _terms(name: str) -> tuple[Terms, dict[str, Word]]:
+    """Readings and commands of a scenario, and its words of the wire."""
+    scenario = load_any(name)
+    terms: Terms = scenario.installed_system.part("given")(make("float64"), scenario).terms
+    return terms, words_of(scenario)
+
+
+@pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_stop", "hst_short"])
+def test_each_word_of_the_wire_is_that_of_a_reading_or_command(name: str) -> None:
+    terms, words = _terms(name)
+    quantities = quantities_of(terms, words)
+    assert words.keys() <= {*quantities.inputs, *quantities.outputs}
+    words["out.misspelt"] = Word("notches", 1.0)
+    with pytest.raises(KeyError, match="no reading or command notches"):
+        quantities_of(terms, words)
+
+
 @pytest.mark.parametrize("bus", [("--bus", "local"), ()])
 @pytest.mark.parametrize(
     ("fault", "said"),
@@ -187,7 +206,7 @@ def test_names_that_do_not_fit_are_refused(
 ) -> None:
     names = tmp_path / "names.toml"
     names.write_text(fmus.CONTROLLER_MAP.format(fault=0).replace(*change), encoding="utf-8")
-    done = run(folder, f"names{abs(hash(said))}", "--controller", f"{mine}:{names}", "--bus", "local")
+    done = run(folder, f"names-{tmp_path.name}", "--controller", f"{mine}:{names}", "--bus", "local")
     assert (done.exit_code, done.err.count("\n")) == (2, 1)
     assert said in done.err
 
@@ -216,10 +235,10 @@ def test_a_step_that_does_not_divide_the_control_period_is_refused(folder: Path,
         (("--controller-fmu", "a.fmu", "--arithmetic", "iq"), "--arithmetic: cannot be given with --controller"),
     ],
 )
-def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str) -> None:
+def test_options_that_do_not_fit_are_refused(folder: Path, tmp_path: Path, words: tuple[str, ...], said: str) -> None:
     (folder / "a.fmu").touch()
     placed = [folder / word if word == "a.fmu" else word for word in words]
-    done = run(folder, f"options{abs(hash(said))}", *placed, "--bus", "local")
+    done = run(folder, f"options-{tmp_path.name}", *placed, "--bus", "local")
     assert (done.exit_code, done.err.count("\n")) == (2, 1)
     assert said in done.err
 
@@ -230,7 +249,37 @@ def test_without_its_library_the_extra_is_named(mine: Path, tmp_path: Path, monk
         FmuComputer(mine, None, tmp_path, Terms((), (), 0.5), {})
 
 
-_READINGS = ("time_s", "s"), ("speed_mps", "m/s"), ("set_point_mps", "m/s")
+@pytest.mark.parametrize("version", VERSIONS)
+def test_integers_and_booleans_are_passed_on_and_a_missed_period_is_a_step_with_the_last_inputs(
+    tmp_path: Path, version: str
+) -> None:
+    fmu = fmus.python_fmu(tmp_path, version, fmus.PYTHON_PASSING, "Passing", "")
+    inputs = '[inputs]\nspeed_01mmps = "whole"\nset_point_mps = "boolean"\n'
+    for output, answers in (
+        ('"out.notch" = "whole_out"', [0.0, 32500 / 256, -100 / 256]),
+        ('notch = "boolean_out"', [0.0, 1.0, 0.0]),
+        ('notch = "steps"', [1.0, 2.0, 5.0]),
+        ('notch = "true_steps"', [0.0, 1.0, 3.0]),
+    ):
+        names = tmp_path / "names.toml"
+        names.write_text(f"{inputs}[outputs]\n{output}\n", encoding="utf-8")
+        compute = _computing(fmu, names, tmp_path / output.partition(" = ")[2].strip('"'))
+        found = [compute(0, 0.0, 0.0), compute(1, 3.25, 1.0), compute(4, -0.01, 0.0)]
+        assert found == pytest.approx(answers), output
+
+
+def _computing(fmu: Path, names: Path, content: Path) -> Callable[[int, float, float], float]:
+    """The notch of an FMU for control period, speed and set-point (m/s)."""
+    terms, words = _terms("lvshun_tieshan")
+    content.mkdir()
+    computer = FmuComputer(fmu, names, content, terms, words)
+
+    def compute(period: int, speed_mps: float, set_point_mps: float) -> float:
+        given = {"time_s": period * 0.5, "speed_mps": speed_mps, "set_point_mps": set_point_mps}
+        (notch,) = computer.compute([given.get(one.name, 0.0) for one in terms.readings])
+        return notch
+
+    return compute
 
 
 @pytest.mark.needs_reference_fmus
@@ -254,12 +303,10 @@ def test_a_reference_fmu_passes_readings_on(
     fmu = fmus.reference_fmu(Path(os.environ["REFERENCE_FMUS"]), tmp_path, version)
     names = tmp_path / "names.toml"
     names.write_text(f"[inputs]\n{inputs}\n[outputs]\n{outputs}\n", encoding="utf-8")
-    terms = Terms(tuple(Quantity(*one) for one in _READINGS), (Quantity("notch", "notch"),), 0.5)
-    (tmp_path / "content").mkdir()
-    computer = FmuComputer(fmu, names, tmp_path / "content", terms, words_of(load("lvshun_tieshan")))
+    compute = _computing(fmu, names, tmp_path / "content")
     for k in (0, 2, 7):
-        assert computer.compute((k * 0.5, 0.0, 1.0)) == pytest.approx([0.0])
-        assert computer.compute(((k + 1) * 0.5, 3.25, 1.0)) == pytest.approx([answer])
+        assert compute(k, 0.0, 1.0) == pytest.approx(0.0)
+        assert compute(k + 1, 3.25, 1.0) == pytest.approx(answer)
 
 
 @pytest.mark.needs_reference_fmus

@@ -162,9 +162,9 @@ effort_n = "effort"
 """
 _FLAVOURS = {
     "2.0": {"module": "pythonfmu", "slave": "Fmi2Slave", "kind": "Real", "causality": "Fmi2Causality",
-            "variability": "Fmi2Variability", "clock": "", "result": "True"},
+            "variability": "Fmi2Variability", "whole": "Integer", "clock": "", "result": "True"},
     "3.0": {"module": "pythonfmu3", "slave": "Fmi3Slave", "kind": "Float64", "causality": "Fmi3Causality",
-            "variability": "Fmi3Variability",
+            "variability": "Fmi3Variability", "whole": "Int32",
             "clock": "self.time = 0.0\n        self.register_variable(Number('time', causality=Causality.independent))"
             "\n        ", "result": "Fmi3StepResult(status=Fmi3Status.ok, eventHandlingNeeded=False, "
             "terminateSimulation=False, earlyReturn=False)"},
@@ -235,6 +235,33 @@ set_point_mps = {{ variable = "set_point", unit = "km/h" }}
 notch = "command"
 [parameters]
 fault = {fault}
+"""
+
+
+#: Passes an integer and a Boolean on, and counts its steps, and those with the Boolean true.
+PYTHON_PASSING = """\
+from {module} import {slave}, Boolean, {kind} as Number, {whole} as Whole
+from {module} import {causality} as Causality, {variability} as Variability
+
+
+class Passing({slave}):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        {clock}self.whole = self.whole_out = self.steps = self.true_steps = 0
+        self.boolean = self.boolean_out = False
+        self.register_variable(Whole("whole", causality=Causality.input, variability=Variability.discrete))
+        self.register_variable(Boolean("boolean", causality=Causality.input, variability=Variability.discrete))
+        for name in ("whole_out", "steps", "true_steps"):
+            self.register_variable(Whole(name, causality=Causality.output, variability=Variability.discrete))
+        self.register_variable(Boolean("boolean_out", causality=Causality.output, variability=Variability.discrete))
+
+    def do_step(self, current_time, step_size):
+        if abs(current_time - self.steps * step_size) > 1e-9:
+            raise ValueError(f"step {{self.steps}} begins at {{current_time}} s")
+        self.whole_out, self.boolean_out = self.whole, self.boolean
+        self.steps += 1
+        self.true_steps += self.boolean
+        return {result}
 """
 
 
