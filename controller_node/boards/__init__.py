@@ -15,7 +15,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -28,7 +28,7 @@ from railhil.scenarios.validation import validate
 
 _FOLDER = Path(__file__).parent
 _COMMON = _FOLDER / "common"
-_FILE, _IMAGE, _FIGURES = "board.toml", "image.elf", "image.json"
+_FILE, _IMAGE, _FIGURES, _BUILD = "board.toml", "image.elf", "image.json", "build"
 #: Options by language, in which the C around a law and the files of the boards are written.
 _LANGUAGES = {".c": ("-std=c99",), ".cpp": ("-std=c++17", "-fno-exceptions", "-fno-rtti")}
 _CONTROL = ("-fwrapv", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-Wall", "-Wextra")
@@ -87,13 +87,14 @@ class BoardTable(BaseModel):
     instruction_ns: int = Field(default=0, ge=0)
 
 
-@dataclass(frozen=True, slots=True)
-class Image:
+class Image(BaseModel):
     """A program for a board.
 
     :param compiler: its first line about itself.
     :param rom_octets, ram_octets: code with constants, and data; ``stack_octets``: reserved for the stack.
     """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     file: str
     sha256: str
@@ -158,16 +159,14 @@ class Board:
         common = [_COMMON / (main or f"main_{self.table.link}.c"), _COMMON / "fault.c"]
         own = [self.folder / source for source in self.table.sources]
         headers = [_COMMON, *(folder / name for name in include)]
+        script = self.folder / self.table.linker_script
         flags = [*self.table.compiler.arguments, optimisation, *_CONTROL, *arguments]
         if self.table.tick_ns:
             flags.append("-DRAILHIL_TICKS=board_ticks")
         files = [*(folder / source for source in sources), *own, *common]
-        read = [self.folder / self.table.linker_script, *files, *(h for place in headers for h in place.glob("*.[ch]"))]
-        digest = hashlib.sha256("\0".join([version, *flags, *sources]).encode())
-        for file in read:
-            with refuse_unreadable(file, "a file of the controller"):
-                digest.update(file.name.encode() + b"\0" + file.read_bytes())
-        place = (out or folder / "build") / f"{self.name}-{digest.hexdigest()[:12]}"
+        settings = [version, flags, _LINK, _LANGUAGES, list(include), list(sources), common[0].name]
+        places = [self.folder, folder, *headers, script.parent, *(file.parent for file in files)]
+        place = (out or folder / _BUILD) / f"{self.name}-{_digest(settings, files, places)[:12]}"
         with refuse_unwritable("--controller", place, "folder"):
             place.parent.mkdir(exist_ok=True)
             with (place.parent / ".lock").open("w") as lock:
@@ -176,13 +175,14 @@ class Board:
                     draft = Path(tempfile.mkdtemp(prefix=".part-", dir=place.parent))
                     try:
                         figures = self._compile(path, files, headers, flags, draft)
-                        table = json.dumps(figures | {"board": self.name, "compiler": version}, indent=2)
-                        (draft / _FIGURES).write_text(table + "\n", encoding="utf-8")
+                        text = json.dumps(figures | {"board": self.name, "compiler": version}, indent=2)
+                        (draft / _FIGURES).write_text(text + "\n", encoding="utf-8")
                         draft.rename(place)
                     except BaseException:
                         shutil.rmtree(draft, ignore_errors=True)
                         raise
-        return Image(**given_json(place / _FIGURES, "figures of an image"), file=str(place / _IMAGE))
+        table = given_json(place / _FIGURES, "figures of an image") | {"file": str(place / _IMAGE)}
+        return validate(Image, table, lambda keys: place / _FIGURES)
 
     def build_log(self, folder: Path, name: str, optimisation: str = "-O2") -> Image:
         """The image of an export's host program (``NAME_run check``), for a board with ``log_arguments``; otherwise as
@@ -245,6 +245,22 @@ def _shipped(text: str) -> Path:
     return _FOLDER / found[0]
 
 
+def _digest(settings: Sequence[object], files: Sequence[Path], places: Sequence[Path]) -> str:
+    """SHA-256 of all that can take part in a compilation: settings, files to compile, and the files of the places with
+    their paths there, except what is hidden and what was built."""
+    digest = hashlib.sha256(json.dumps(settings).encode())
+    read = [(file, file.name) for file in files]
+    for place in dict.fromkeys(places):
+        for path in sorted(place.rglob("*")):
+            parts = path.relative_to(place).parts
+            if path.is_file() and not any(part == _BUILD or part[0] == "." for part in parts):
+                read.append((path, "/".join(parts)))
+    for path, name in read:
+        with refuse_unreadable(path, "a file of the controller"):
+            digest.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
 def _plain_environment() -> dict[str, str]:
     """Without the translations of the compiler's messages."""
     return {**os.environ, "LC_ALL": "C"}
@@ -256,4 +272,4 @@ def _first_line(text: str) -> str:
 
 def figures_of(image: Image) -> dict[str, object]:
     """For documents: the image without its place."""
-    return {key: value for key, value in asdict(image).items() if key != "file"}
+    return image.model_dump(exclude={"file"})

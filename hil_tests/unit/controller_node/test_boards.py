@@ -23,6 +23,7 @@ from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Scenario
 
 _SOURCES = ("ipfc.c", *PORTABLE, "railhil_pipe.c")
+_NO_IMAGE = Image(file="", sha256="", board="", compiler="", rom_octets=0, ram_octets=0, stack_octets=0)
 _POLLED = {master_frame(*polled).data for polled in ((1, 0x110), (3, 0x138), (3, 0x170), (15, 1))}
 
 
@@ -72,7 +73,7 @@ def test_a_missing_compiler_or_emulator_is_named_with_its_package(
     with pytest.raises(InputError, match=r"arm-none-eabi-gcc is not installed, .*gcc-arm-none-eabi"):
         board.build(tmp_path, ())
     with pytest.raises(InputError, match=r"qemu-system-arm is not installed, .*qemu-system-arm"):
-        Emulator(board, Image("", "", "", "", 0, 0, 0), 1.0)
+        Emulator(board, _NO_IMAGE, 1.0)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -101,6 +102,43 @@ def test_an_image_is_built_once_and_its_bytes_do_not_depend_on_the_place(folder:
     shutil.copytree(folder, tmp_path / "other", ignore=shutil.ignore_patterns("build"))
     assert board.build(tmp_path / "other", _SOURCES).sha256 == image.sha256
     assert board.build(folder, _SOURCES, optimisation="-Os").rom_octets < image.rom_octets
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_a_change_of_any_file_that_takes_part_makes_another_image(folder: Path, tmp_path: Path) -> None:
+    board, mine = tmp_path / "myboard", tmp_path / "mine"
+    shutil.copytree(Board.load("cortex_m4f").folder, board)
+    shutil.copytree(folder, mine, ignore=shutil.ignore_patterns("build"))
+    (mine / "sub").mkdir()
+    parts = [board / "pins.h", mine / "gains.hpp", mine / "sub" / "limits.inc"]
+    for place, source, before, names in (
+        (board, "board.c", "    TIMER0->control = 1;\n", ("pins.h",)),
+        (mine, "railhil_law.c", "    law->period = -1;\n", ("gains.hpp", "sub/limits.inc")),
+    ):
+        text = (place / source).read_text()
+        assert before in text
+        lines = "".join(f'#include "{name}"\n' for name in names)
+        (place / source).write_text(text.replace(before, before + lines))
+    for part in parts:
+        part.write_text("*(volatile int *)0x20000000 = 1;\n")
+    images = [Board.load(str(board)).build(mine, _SOURCES)]
+    for part in parts:
+        part.write_text("*(volatile int *)0x20000000 = 2;\n")
+        images.append(Board.load(str(board)).build(mine, _SOURCES))
+    assert len({image.file for image in images}) == len({image.sha256 for image in images}) == 4
+
+
+@pytest.mark.needs_qemu
+@pytest.mark.slow
+def test_an_image_with_other_figures_than_these_is_one_line(folder: Path, tmp_path: Path) -> None:
+    image = Board.load("cortex_m4f").build(folder, _SOURCES, out=tmp_path)
+    figures = Path(image.file).with_name("image.json")
+    for text in ("{", "{}", '{"title": "of an older version"}'):
+        figures.write_text(text)
+        with pytest.raises(InputError, match=r"image\.json") as error:
+            Board.load("cortex_m4f").build(folder, _SOURCES, out=tmp_path)
+        assert "\n" not in str(error.value)
 
 
 @pytest.mark.needs_qemu
