@@ -6,16 +6,15 @@ import re
 import sys
 from pathlib import Path
 
+import fmpy
 import pytest
+from fmpy import validation
 
 from hil_tests.cli.test_c_controller import make, notches, run, words
 from hil_tests.support.cli import railhil
 from hil_tests.support.fault_runs import FAST_TOML
 from railhil.cli.new_controller import controller_files
 from railhil.common.errors import InputError
-
-fmpy = pytest.importorskip("fmpy")
-validation = pytest.importorskip("fmpy.validation")
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow, pytest.mark.loop]
 

@@ -68,6 +68,13 @@ def test_readme_has_whole_addresses():
     assert sum(target.startswith((_REPOSITORY, _RAW)) for target in targets) > 20
 
 
+def test_headings_are_headings() -> None:
+    """Also where a line of text begins with a number sign."""
+    for page in _PAGES:
+        words = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.M | re.S)
+        assert re.findall(r"^#+(?!#| [^#\s]).*$", words, re.M) == [], page
+
+
 def test_links_lead_somewhere():
     links = [(page, link) for page in _PAGES for link in _LINK.findall((ROOT / page).read_text(encoding="utf-8"))]
     for page, link in links:
