@@ -33,6 +33,8 @@ class ControllerFailed(InputError):
 
     #: The frames that it sent before.
     frames: Sequence[Frame] = ()
+    #: Whether its streams have ended.
+    has_ended = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +141,9 @@ class Pipe:
             self._wait(self._arrives, until_s)
             octets = os.read(self._input, _READ_OCTETS)
             if not octets:
-                raise self._failed("has ended", "an answer")
+                error = self._failed("has ended", "an answer")
+                error.has_ended = True
+                raise error
             try:
                 for tag, content in self._decoder.feed(octets):
                     if isinstance(content, Frame):

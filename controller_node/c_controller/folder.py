@@ -6,15 +6,14 @@ of the files whose hashes the certificate has take part in the build.
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
+import json
 import os
 import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -22,7 +21,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.bus.frame import Frame
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_bytes, given_text, refuse_unreadable, refuse_unwritable
+from railhil.common.python_process import end_group
+from railhil.common.user_files import given_bytes, given_text, hold_alone, refuse_unreadable, refuse_unwritable
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.foreign import OutsideController
 from railhil.controller_node.laws import law_class
@@ -42,8 +42,9 @@ _NAMES = frozenset(("Makefile", "makefile", "GNUmakefile", TABLE))
 _BUILD_S = 300.0
 _END_S = 5.0
 _LETTERS_MAX = 200
-#: Variables of a make that started this process.
-_OF_MAKE = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES")
+#: Variables of the environment that a build sees: where its programs are, and those that change its result.
+_PLACES = ("PATH", "HOME", "TMPDIR")
+_OF_BUILD = ("CC", "CXX", "CFLAGS", "CXXFLAGS", "LDLIBS")
 
 
 class ControllerTable(BaseModel):
@@ -111,7 +112,12 @@ class ControllerFolder(OutsideController):
             raise InputError(
                 self.folder / TABLE, "system", self.table.system, f"{system.name}, that of {scenario.name}"
             )
-        found = {path.relative_to(self.folder).as_posix(): given_bytes(path) for path in self.files()}
+        contents = {path: given_bytes(path) for path in self.files()}
+        if {str(path): hashlib.sha256(content).hexdigest() for path, content in contents.items()} != self.hashes():
+            raise InputError(
+                self.folder, "sha256", Words("its files have changed since it was named"), "the same files"
+            )
+        found = {path.relative_to(self.folder).as_posix(): content for path, content in contents.items()}
         if self.table.kind == "c-controller":
             # An export or a run of a law does not need it.
             from railhil.controller_node.c_controller.around import given_files
@@ -132,12 +138,12 @@ class ControllerFolder(OutsideController):
 
     def _build(self, sources: Mapping[str, bytes]) -> Path:
         """The program for this host, built in ``build/host-DIGEST`` unless it is there already."""
-        digest = hashlib.sha256(compiler_version().encode())
+        digest = hashlib.sha256(json.dumps([compiler_version(), _variables(_OF_BUILD)]).encode())
         for name, content in sources.items():
             digest.update(b"\0".join((name.encode(), hashlib.sha256(content).digest())))
         program = f"{identifier(self.name).lower()}_node"
         place = self.folder / BUILD / f"host-{digest.hexdigest()[:12]}" / program
-        with refuse_unwritable("--controller", place, "folder"), locked(self.folder):
+        with refuse_unwritable("--controller", place, "folder"), hold_alone(self.folder):
             if not place.is_file():
                 with tempfile.TemporaryDirectory(prefix=".railhil-build-", dir=self.folder) as draft:
                     write_sources(Path(draft), sources)
@@ -161,30 +167,36 @@ def make_says(folder: Path, text: str, target: str) -> str:
     :param text: of the controller, for errors.
     :raises InputError: it fails.
     """
-    environment = {key: value for key, value in os.environ.items() if key not in _OF_MAKE} | {"LC_ALL": "C"}
+    environment = {**_variables((*_PLACES, *_OF_BUILD)), "LC_ALL": "C"}
     try:
-        done = subprocess.run(
-            ["make", "-s", target], cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-            env=environment, stdin=subprocess.DEVNULL, timeout=_BUILD_S,
-        )  # fmt: skip
+        making = subprocess.Popen(
+            ["make", "-s", target],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            env=environment,
+            start_new_session=True,
+        )
     except FileNotFoundError:
         raise InputError(text, "make", Words("is not installed"), "the Debian packages make and gcc") from None
+    try:
+        said, errors = making.communicate(timeout=_BUILD_S)
     except subprocess.TimeoutExpired:
         raise InputError(text, "make", Words(f"takes longer than {_BUILD_S:g} s"), "a build") from None
-    if done.returncode:
-        raise InputError(text, "make", Words(first_error(done.stderr)), "files that compile and link")
-    return done.stdout
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """One build at a time in a folder; no file is left behind."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
     finally:
-        os.close(descriptor)
+        # Its compilers, too, also where this command is stopped.
+        end_group(making)
+    if making.returncode:
+        raise InputError(text, "make", Words(first_error(errors)), "files that compile and link")
+    return said
+
+
+def _variables(names: Sequence[str]) -> dict[str, str]:
+    """Variables of the environment; an empty one is as good as none."""
+    return {name: value for name in names if (value := os.environ.get(name))}
 
 
 def write_sources(folder: Path, sources: Mapping[str, bytes]) -> None:
@@ -200,7 +212,7 @@ def compiler_version() -> str:
 
     :raises InputError: there is none.
     """
-    name = os.environ.get("CC", "gcc").split()[0]
+    name = _variables(("CC",)).get("CC", "gcc").split()[0]
     path = shutil.which(name)
     if path is None:
         raise InputError(
@@ -233,8 +245,9 @@ class HostProgram:
         try:
             # It ends with this process. What the user's code prints goes to the standard error.
             self._process = subprocess.Popen(
-                [program.resolve(), "pipe"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
-            )
+                [program.resolve(), "pipe"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
+                start_new_session=True,
+            )  # fmt: skip
         except OSError as error:
             raise InputError(program, "", Words(f"cannot be started: {error.strerror}"), "a program") from None
         assert self._process.stdin is not None
@@ -250,7 +263,7 @@ class HostProgram:
     def _describe(self, error: ControllerFailed) -> InputError:
         """The error, for a program that was ended by a signal with its name."""
         try:
-            code = self._process.wait(0.0 if self._process.poll() is None and "answered" in str(error) else _END_S)
+            code = self._process.wait(_END_S if error.has_ended else 0.0)
         except subprocess.TimeoutExpired:
             code = 0
         self.close()
@@ -263,9 +276,8 @@ class HostProgram:
         """Nothing is measured."""
 
     def close(self) -> None:
-        """End the program."""
-        self._process.kill()
-        self._process.wait(_END_S)
+        """End the program, and those that it has started."""
+        end_group(self._process)
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 stream.close()

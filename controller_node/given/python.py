@@ -7,8 +7,9 @@ import re
 import sys
 import traceback
 from collections import namedtuple
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, ClassVar
@@ -107,6 +108,13 @@ def _origin(code: Any) -> Any:
             return code if inspect.isroutine(code) or inspect.isclass(code) else type(code)
 
 
+class _SourceLoader(SourceFileLoader):
+    """Compiles the text of the file: cached bytecode is that of another text of the same size and second."""
+
+    def path_stats(self, path: str) -> Mapping[str, Any]:
+        raise OSError
+
+
 class PythonFile(WorkerController):
     """``FILE.py:NAME``, by file."""
 
@@ -135,7 +143,7 @@ class PythonFile(WorkerController):
         file, attribute = arguments
         path = Path(file)
         source = f"{file}:{attribute}"
-        spec = spec_from_file_location(path.stem, path)
+        spec = spec_from_file_location(path.stem, path, loader=_SourceLoader(path.stem, str(path)))
         assert spec is not None
         assert spec.loader is not None
         # A script finds its neighbours; railhil is found where it is installed.

@@ -23,8 +23,9 @@ from importlib import import_module
 
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.patience import APPEAR_S
-from railhil.common.python_process import end_with_parent
+from railhil.common.python_process import end_group, end_with_parent
 from railhil.controller_node.given.computing import Computer, ComputingController, Terms
+from railhil.scenarios.given import refuse_changed
 
 #: First octet of an answer: values follow, or the line of an error.
 _VALUES, _ERROR = b"v", b"e"
@@ -66,7 +67,8 @@ class Worker:
         self._pack = struct.Struct(f"<{len(terms.readings)}d").pack
         self._values = struct.Struct(f"<{len(terms.commands)}d")
         kind = type(given)
-        words = [f"{kind.__module__}:{kind.__qualname__}", *given.arguments, json.dumps(terms.as_json())]
+        words = [f"{kind.__module__}:{kind.__qualname__}", *given.arguments]
+        words += [json.dumps(given.hashes()), json.dumps(terms.as_json())]
         ours, theirs = socket.socketpair()
         with theirs:
             command = [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), *words]
@@ -152,9 +154,7 @@ class Worker:
 def _end(process: subprocess.Popen[bytes], ours: socket.socket) -> None:
     ours.close()
     # With the processes that the code has started.
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    end_group(process)
 
 
 def _tell(theirs: socket.socket, kind: bytes, content: bytes) -> None:
@@ -176,14 +176,18 @@ def _serve(theirs: socket.socket, computer: Computer, terms: Terms) -> None:
 def main() -> int:
     """Serve the node at the other end of a socket, until it closes it."""
     end_with_parent()
-    number, reference, *arguments, terms_json = sys.argv[1:]
+    number, reference, *arguments, hashes_json, terms_json = sys.argv[1:]
     module, _, name = reference.partition(":")
     with socket.socket(fileno=int(number)) as theirs, contextlib.suppress(BrokenPipeError, ConnectionResetError):
         os.set_inheritable(theirs.fileno(), False)
         try:
             terms = Terms.from_json(json.loads(terms_json))
             kind: type[WorkerController] = getattr(import_module(module), name)
+            hashes: dict[str, str] = json.loads(hashes_json)
+            refuse_changed(hashes)
             computer = kind.load(arguments, terms)
+            # It may have been saved while it was read.
+            refuse_changed(hashes)
             try:
                 _tell(theirs, _VALUES, b"")
                 _serve(theirs, computer, terms)

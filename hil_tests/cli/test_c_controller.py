@@ -9,16 +9,22 @@ import re
 import runpy
 import shutil
 import subprocess
+import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import psutil
 import pytest
 
-from hil_tests.support.cli import Done, railhil, railhil_process
+from hil_tests.support.cli import Done, command, railhil, railhil_process
 from hil_tests.support.fault_runs import FAST_TOML
 from hil_tests.support.foreign import foreign_run, without_status
 from hil_tests.support.paths import ROOT
+from railhil.common.errors import InputError
+from railhil.controller_node.c_controller.folder import ControllerFolder
+from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow, pytest.mark.loop]
 
@@ -294,3 +300,49 @@ def test_other_systems_have_their_own_readings(scenario: str, body: str, tmp_pat
         lines = (tmp_path / out / "frames.log").read_text().splitlines()
         logs.append([line for line in lines if not re.search(r" 1(6[89C]|7[01489C])#", line)])
     assert logs[0] == logs[1]
+
+
+def test_c_that_was_saved_after_it_was_named_is_not_built(folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder / "mine", tmp_path / "mine")
+    named = ControllerFolder(str(tmp_path / "mine"))
+    named.hashes()
+    source = tmp_path / "mine/mine.c"
+    source.write_text(source.read_text() + "\n")
+    with pytest.raises(InputError, match="files have changed since it was named"):
+        named.sources(load("lvshun_tieshan"), LawSpec.of_given(named))
+
+
+def test_a_build_knows_the_variables_that_change_it_and_no_others(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(folder / "mine", tmp_path / "mine", ignore=shutil.ignore_patterns("build"))
+    shutil.copy(folder / "fast.toml", tmp_path)
+    for name in ("BUILD", "RAILHIL", "MAKEFLAGS", "CC"):
+        monkeypatch.setenv(name, "" if name == "CC" else "elsewhere")
+    for out in ("one", "two"):
+        assert run(tmp_path, "./mine", out).exit_code in (0, 1)
+        monkeypatch.setenv("CFLAGS", "-O0")
+    assert len(list((tmp_path / "mine/build").glob("host-*"))) == 2
+
+
+@pytest.mark.parametrize(
+    "controller",
+    ["./mine", "loops.py:step", pytest.param("qemu:./mine", marks=pytest.mark.needs_qemu)],
+)
+def test_nothing_is_left_of_a_command_that_is_killed(folder: Path, tmp_path: Path, controller: str) -> None:
+    """While the code of the user loops."""
+    assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
+    shutil.copy(folder / "fast.toml", tmp_path)
+    source = tmp_path / "mine/mine.c"
+    looping = "out->notch = notch;\n    while (in->time_s >= 5.0f) { }"
+    source.write_text(source.read_text().replace("out->notch = notch;", looping))
+    (tmp_path / "loops.py").write_text("def step(reading):\n    while reading.time_s >= 5: pass\n    return 0\n")
+    log, until_s = tmp_path / "out" / "frames.log", time.monotonic() + 60
+    with subprocess.Popen(command(*words(controller, "out")), cwd=tmp_path, stderr=subprocess.DEVNULL) as started:
+        while not (log.is_file() and log.stat().st_size) and time.monotonic() < until_s:
+            time.sleep(0.05)
+        children = psutil.Process(started.pid).children(recursive=True)
+        started.kill()
+    assert children
+    _, left = psutil.wait_procs(children, timeout=5)
+    assert left == []

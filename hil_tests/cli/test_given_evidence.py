@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import py_compile
 import subprocess
 import time
 from functools import partial
@@ -15,6 +17,8 @@ import railhil
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.fault_runs import FAST_TOML
 from railhil.common.errors import InputError
+from railhil.controller_node.given.computing import Quantity, Terms
+from railhil.controller_node.given.python import PythonFile
 from railhil.record.hash_list import HASH_LIST, write_hash_list
 
 _CODE = """
@@ -57,6 +61,35 @@ def test_a_file_that_is_saved_or_removed_in_the_run_is_recorded_as_it_was(
     assert (refused.exit_code, refused.err.count("\n")) == (2, 1)
     file.write_text(text, encoding="utf-8")
     assert command("rerun", tmp_path / "out", "--controller", f"{file}:steady").exit_code == 0
+
+
+@pytest.mark.parametrize("when", ["before", "while"])
+def test_code_that_is_not_the_hashed_one_does_not_run(tmp_path: Path, when: str) -> None:
+    """Saved after it was named: before its process has read it, or by itself while it is read."""
+    file = tmp_path / "mine.py"
+    own = "import pathlib; pathlib.Path(__file__).write_text('other = 1')" if when == "while" else ""
+    file.write_text(f"{own}\n{_CODE}", encoding="utf-8")
+    given = PythonFile(f"{file}:steady")
+    given.hashes()
+    if when == "before":
+        file.write_text(_CODE.replace("3.6", "3.7"), encoding="utf-8")
+    with pytest.raises(InputError, match="as when it was named"):
+        given.start(Terms((Quantity("speed_mps", "m/s"),), (Quantity("notch", "notch"),), 0.5), 20.0)
+
+
+def test_cached_bytecode_of_another_text_does_not_run(folder: Path, tmp_path: Path) -> None:
+    """Python takes a file of the same size and second for unchanged."""
+    file = tmp_path / "mine.py"
+    file.write_text(_CODE, encoding="utf-8")
+    py_compile.compile(str(file))
+    then = file.stat()
+    file.write_text(_CODE.replace("3.6", "0.0"), encoding="utf-8")
+    os.utime(file, ns=(then.st_atime_ns, then.st_mtime_ns))
+    assert run(folder, file, tmp_path / "out", "--bus", "local").exit_code in (1, 3)
+    lines = (tmp_path / "out" / "frames.log").read_text(encoding="ascii").splitlines()
+    notches = {line.split("#")[1][:4] for line in lines if " 110#" in line}
+    assert "0000" in notches
+    assert not any(0 < int(notch, 16) < 0x8000 for notch in notches), "0.0 gives no traction"
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ fast maths, no fused products, and the same ``exp`` and ``log`` of the C library
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import os
 import pickle
@@ -29,6 +28,7 @@ from railhil.common import compilable, floats
 from railhil.common.compilable import F, field_types, interpreted, result_type, source_of
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
+from railhil.common.user_files import hold_alone
 
 try:
     import numba
@@ -177,20 +177,6 @@ def _folder(*sources: ModuleType | str) -> tuple[Path, bool]:
 
 
 @contextmanager
-def _alone(place: Path) -> Iterator[None]:
-    """Inside ``with``, other processes that need the same machine code wait. They read it then.
-
-    :param place: file or folder that stands for it.
-    """
-    handle = os.open(place, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
-@contextmanager
 def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
     """Inside ``with``, a text is compiled, or its machine code is read. If compiling takes longer than
     :data:`_SAID_AFTER_S`, one line on standard error says so.
@@ -202,7 +188,7 @@ def _said(what: str, file: Path, kept: bool) -> Iterator[None]:
     line = f"compiling {what} for the batch ({how_often}; up to half a minute) ..."
     with ExitStack() as held:
         if kept:
-            held.enter_context(_alone(file))
+            held.enter_context(hold_alone(file))
         if not (kept and any(file.parent.glob(f"*/{file.stem}.*.nbi"))):
             timer = threading.Timer(_SAID_AFTER_S, Output(stderr=True).say, (line,))
             timer.daemon = True
@@ -257,7 +243,7 @@ def cached(*sources: ModuleType | str) -> Callable[[Callable[..., Any]], Any]:
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         FUNCTIONS.append(Kept(function.__name__, folder, kept))
-        return _kept(function, folder, kept, _alone(folder) if kept else nullcontext())
+        return _kept(function, folder, kept, hold_alone(folder) if kept else nullcontext())
 
     return decorate
 

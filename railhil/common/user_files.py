@@ -240,6 +240,21 @@ def lock_within(descriptor: int, wait_s: float, mode: int = fcntl.LOCK_EX) -> bo
             return True
 
 
+@contextmanager
+def hold_alone(place: Path) -> Iterator[None]:
+    """Inside ``with``, other processes that ask for the same place wait. Nothing is left behind.
+
+    :param place: file or folder that stands for what is made.
+    :raises OSError: it cannot be opened, or locked at all.
+    """
+    descriptor = os.open(place, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
 def sync_folder(path: Path) -> None:
     """Make the names in a folder survive a power cut. Raises OSError."""
     folder = os.open(path, os.O_RDONLY)

@@ -263,6 +263,17 @@ def refuse_beside(given: GivenController, values: Mapping[str, object], source: 
             raise InputError(source, option, str(value), allowed)
 
 
+def refuse_changed(hashes: Mapping[str, str]) -> None:
+    """Refuse files with other contents than when they were named.
+
+    :param hashes: :meth:`GivenController.hashes`.
+    :raises InputError: one has changed, or cannot be read.
+    """
+    for name, sha256 in hashes.items():
+        if (now := _sha256(Path(name), "the file that was named")) != sha256:
+            raise InputError(name, "sha256", now, f"{sha256}, as when it was named")
+
+
 def _digest(name: str, hashes: Mapping[str, str]) -> str:
     return hashlib.sha256("\n".join((name, *hashes.values())).encode()).hexdigest()
 
