@@ -6,7 +6,6 @@ A board is a folder with ``board.toml`` (:class:`BoardTable`), its C files and i
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -22,7 +21,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.user_files import given_json, given_text, refuse_unreadable, refuse_unwritable
+from railhil.common.user_files import given_json, given_text, hold_alone, refuse_unreadable, refuse_unwritable
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import validate
 
@@ -169,8 +168,7 @@ class Board:
         place = (out or folder / _BUILD) / f"{self.name}-{_digest(settings, files, places)[:12]}"
         with refuse_unwritable("--controller", place, "folder"):
             place.parent.mkdir(exist_ok=True)
-            with (place.parent / ".lock").open("w") as lock:
-                fcntl.flock(lock, fcntl.LOCK_EX)
+            with hold_alone(place.parent):
                 if not (place / _FIGURES).is_file():
                     draft = Path(tempfile.mkdtemp(prefix=".part-", dir=place.parent))
                     try:

@@ -150,7 +150,7 @@ def test_a_file_that_does_not_compile_is_one_line_and_leaves_nothing(folder: Pat
     with pytest.raises(InputError, match=r"ipfc\.c:1:9: arm-none-eabi-gcc: expected") as error:
         Board.load("cortex_m3").build(mine, _SOURCES)
     assert "\n" not in str(error.value)
-    assert [path.name for path in (mine / "build").iterdir()] == [".lock"]
+    assert list((mine / "build").iterdir()) == []
 
 
 @pytest.mark.needs_qemu
