@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from railhil.bus.clock import Pacer
-from railhil.bus.errors import BusOccupied, PeerSilent
+from railhil.bus.errors import OTHER_ADMINISTRATOR, BusOccupied, PeerSilent
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import Role
 from railhil.bus.layout import Telegram
@@ -283,7 +283,7 @@ class Administrator:
                     self.refused_status["no classic data frame with a standard identifier"] += 1
                 continue
             if frame.can_id == contract.poll_id:
-                raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
+                raise BusOccupied(OTHER_ADMINISTRATOR)
             if frame.can_id == contract.device_status_id:
                 answer = parse_device_status(frame.data)
                 if answer is not None:

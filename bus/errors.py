@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from railhil.common.exit_codes import INVALID, USAGE
 
 
@@ -22,6 +24,10 @@ class BusUnavailable(BusError):
     """The interface cannot be opened. Example: no such vcan, socket path in use, no hub at the path."""
 
     exit_code = USAGE
+
+
+#: Said of a poll that is not this bench's.
+OTHER_ADMINISTRATOR: Final = "another bus administrator polls on this bus: one bench at a time"
 
 
 class BusOccupied(BusUnavailable):

@@ -10,13 +10,15 @@ from typing import Final, NamedTuple
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE
-from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.mvb import TelegramSource, check_sequence, device_status_frame
 from railhil.dbc import Contract, Port, Signal
 
 #: Octets of a trailer, and of a telegram of one frame.
 _END_BYTES: Final = 8
 _COUNT_MASK: Final = 0xF
+#: What a life sign does that does not count by one.
+_LIFE_WORDS: Final = {Life.DUPLICATE: "stands", Life.GAP: "skips", Life.OUT_OF_ORDER: "goes back"}
 
 
 class Fault(NamedTuple):
@@ -184,11 +186,10 @@ def _code(signal: Signal, raw: int) -> str:
 
 def life_faults(port: Port, life: Signal, lives: Sequence[int]) -> list[Fault]:
     """Life signs that do not count by one at each answer."""
-    found, modulus = [], 1 << life.length
+    found, sign, modulus = [], LifeSign(), 1 << life.length
     for last, now in pairwise(lives):
-        step = (now - last) % modulus
-        if step != 1:
-            how = "stands" if step == 0 else "skips" if step <= MAX_STEP else "goes back"
+        sign.accept(last)
+        if (how := _LIFE_WORDS.get(sign.judge(now))) is not None:
             text = f"{port.name}: {life.name} {how}: {now} after {last}, right {(last + 1) % modulus}"
             found.append(Fault(f"life sign {how}", text))
     return found

@@ -16,7 +16,7 @@ import numpy as np
 from railhil.bus.administrator import REPLY_NS, SendQueue
 from railhil.bus.clock import Pacer
 from railhil.bus.codes import Event
-from railhil.bus.errors import BusOccupied, PeerSilent
+from railhil.bus.errors import OTHER_ADMINISTRATOR, BusOccupied, PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import ARITHMETICS, INDEXINGS, CtlIdent, Role, law_words, make_ident
 from railhil.bus.layout import Telegram
@@ -242,7 +242,7 @@ class FirstCheck:
                 self._checked.others += 1
                 self._other_ids.append(frame.can_id)
             elif frame.can_id == self._contract.poll_id and frame in self._own:
-                raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
+                raise BusOccupied(OTHER_ADMINISTRATOR)
             else:
                 found.append(frame)
         return found
