@@ -90,6 +90,9 @@ class EmulatedController(OutsideController):
     def files(self) -> tuple[Path, ...]:
         return self.folder.files()
 
+    def as_json(self) -> dict[str, Any]:
+        return {**super().as_json(), "board": self.board.name}
+
     def prepare(self, scenario: AnyScenario, run: RunSpec) -> None:
         self._build(self.folder.sources(scenario, run.law))
 

@@ -159,9 +159,12 @@ def test_the_certificate_has_files_and_compiler_and_a_rerun_gives_the_same_bytes
 
 
 def test_a_library_gives_the_same_notches(folder: Path) -> None:
+    """And no count of cycles: nothing is known of its code."""
     assert make(folder / "mine", "lib").returncode == 0
     assert run(folder, "mine/build/mine.so", "library").exit_code in (0, 1)
     assert notches(folder / "library") == notches(folder / "record")
+    telemetry = json.loads((folder / "library" / "telemetry.json").read_text())
+    assert (telemetry["operations"], telemetry["cycles"]["ram"]) == ({}, 0)
     assert len(set(notches(folder / "record"))) > 50
     refused = railhil("run", "hst_short", *words("mine/build/mine.so", "no2")[2:], cwd=folder)
     assert (refused.exit_code, "mine_interface: found" in refused.one_line()) == (2, True)
@@ -300,6 +303,13 @@ def test_other_systems_have_their_own_readings(scenario: str, body: str, tmp_pat
         lines = (tmp_path / out / "frames.log").read_text().splitlines()
         logs.append([line for line in lines if not re.search(r" 1(6[89C]|7[01489C])#", line)])
     assert logs[0] == logs[1]
+
+
+def test_a_difference_in_the_handshake_is_named(folder: Path) -> None:
+    assert railhil("export-c", "ipfc", "fast.toml", "--out", "by_time", cwd=folder).exit_code == 0
+    done = run(folder, "by_time/", "distance", "--indexing", "distance")
+    assert done.exit_code == 2
+    assert "indexing differs" in done.one_line()
 
 
 def test_c_that_was_saved_after_it_was_named_is_not_built(folder: Path, tmp_path: Path) -> None:

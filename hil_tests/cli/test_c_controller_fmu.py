@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import zipfile
 from pathlib import Path
 
 import fmpy
@@ -29,6 +30,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert (done.exit_code, "make -C mine/ fmu" in done.out) == (0, True), done.err
     assert make(made / "mine", "fmu", "check").returncode == 0
     return made
+
+
+def test_an_input_that_nobody_would_set_is_refused(folder: Path, tmp_path: Path) -> None:
+    """Without a file of names; with one, the user has said what each input is."""
+    other = tmp_path / "other.fmu"
+    with zipfile.ZipFile(folder / "mine/build/mine.fmu") as given, zipfile.ZipFile(other, "w") as made:
+        for name in given.namelist():
+            made.writestr(name, given.read(name).replace(b'name="set_point_mps"', b'name="set_point"'))
+    refused = run(folder, str(other), "no_input")
+    assert refused.exit_code == 2
+    assert "inputs: found 'set_point'" in refused.one_line()
+    assert "did you mean set_point_mps?" in refused.one_line()
 
 
 def test_the_fmu_is_valid_and_has_the_readings_and_commands_of_the_header(folder: Path) -> None:

@@ -12,6 +12,7 @@ from hil_tests.support.cli import Done, railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from hil_tests.support.user_suite import run_suite
 from railhil.record.framelog import log_sha256
+from railhil.record.hash_list import HASH_LIST, write_hash_list
 from railhil.record.target import read_target
 
 pytest_plugins = ("pytester",)
@@ -72,8 +73,20 @@ def test_the_whole_published_run_is_equal_on_a_board_and_can_be_made_again(tmp_p
     assert "target.json" in (tmp_path / "board" / "SHA256SUMS").read_text()
     again = railhil("rerun", tmp_path / "board", *board)
     assert again.exit_code == 0, again.out + again.err
-    refused = railhil("rerun", tmp_path / "board")
-    assert (refused.exit_code, refused.err.count("\n")) == (2, 1)
+    for other in (
+        (),
+        ("--controller", f"{tmp_path / 'ipfc'}"),
+        ("--controller", f"qemu:{tmp_path / 'ipfc'}@cortex-m3"),
+    ):
+        refused = railhil("rerun", tmp_path / "board", *other)
+        assert (refused.exit_code, refused.err.count("\n")) == (2, 1), other
+    certificate["target"]["instructions"]["max"] = 7
+    (tmp_path / "board" / "certificate.json").write_text(json.dumps(certificate))
+    (tmp_path / "board" / HASH_LIST).unlink()
+    write_hash_list(tmp_path / "board", {})
+    edited = railhil("verify", tmp_path / "board")
+    assert edited.exit_code != 0
+    assert "target: found" in edited.out + edited.err
 
 
 def test_a_learning_law_on_a_board_has_the_bytes_of_the_node(tmp_path: Path) -> None:
@@ -203,6 +216,23 @@ def test_the_laws_of_a_suite_run_on_the_board_of_the_session(short: Path, pytest
     )
     run_suite(pytester.path, "--railhil-target", "qemu:cortex-m3").assert_outcomes(passed=1)
     run_suite(pytester.path).assert_outcomes(failed=1)
+
+
+def test_a_suite_with_a_target_runs_nothing_on_the_host_instead(short: Path, pytester: pytest.Pytester) -> None:
+    assert railhil("new", "c-controller", "mine", cwd=pytester.path).exit_code == 0
+    pytester.makepyfile(
+        f"""
+        def test_c(bench):
+            run = bench.run(scenario={str(short)!r}, controller="./mine")
+            assert run.certificate["target"]["board"] == "cortex_m4f"
+
+        def test_python(bench):
+            bench.run(scenario={str(short)!r}, controller=lambda reading: 0)
+        """
+    )
+    done = run_suite(pytester.path, "--railhil-target", "qemu:cortex-m4f")
+    done.assert_outcomes(passed=1, failed=1)
+    done.stdout.fnmatch_lines(["*does not run on a board*"])
 
 
 def test_target_qemu_says_size_log_instructions_and_the_estimate(short: Path, tmp_path: Path) -> None:

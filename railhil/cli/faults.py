@@ -53,7 +53,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "entry could be run.",
     )
     add_arguments(parser, bus="local")
-    add_option(parser, "--controller", help=f"of {', '.join(law_names())} (default: the system's usual)")
+    add_option(
+        parser,
+        "--controller",
+        help=f"of {', '.join(law_names())}, or a controller of yours (default: the system's usual)",
+    )
     parser.add_argument("--list", action="store_true", help="only list what can be injected, word by word")
     parser.add_argument("--only", default="", metavar="T1,S,...", help="entries by id, or by its beginning")
     parser.add_argument(

@@ -119,7 +119,10 @@ class Fmu:
             raise InputError(self.file, "modelDescription.xml", Words("cannot be read"), allowed, cause) from None
         self._check_kind(fmpy)
         self._variables = {variable.name: variable for variable in self.description.modelVariables}
-        self.names = equal_names(file, quantities, self._variables) if given is None else given
+        if given is None:
+            wanted = [one.name for one in self._variables.values() if one.causality == "input"]
+            given = equal_names(file, quantities, self._variables, wanted)
+        self.names = given
         self._inputs = self._checked("inputs", self.names.inputs)
         self._outputs = self._checked("outputs", self.names.outputs)
         self._check_parameters()

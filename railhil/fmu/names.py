@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -85,11 +85,17 @@ class Names:
     parameters: Mapping[str, float | str]
 
 
-def equal_names(file: Path, quantities: Quantities, variables: Container[str]) -> Names:
+def equal_names(file: Path, quantities: Quantities, variables: Container[str], inputs: Iterable[str]) -> Names:
     """The names of an FMU whose variables have the names of the quantities.
 
     :param file: the FMU.
+    :param inputs: variables that want a value in each step.
+    :raises InputError: one of them has the name of no quantity, so nobody would set it.
     """
+    for name in inputs:
+        if name not in quantities.inputs:
+            allowed = f"{', '.join(quantities.inputs)}; a file of names says which input is which"
+            raise InputError(file, "inputs", name, allowed, did_you_mean(name, quantities.inputs))
     found = {
         key: {name: Named(name) for name in table if name in variables} for key, table in quantities.tables.items()
     }

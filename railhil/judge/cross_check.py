@@ -20,7 +20,9 @@ from railhil.judge.fault_report import logged_outcomes
 from railhil.judge.folder import code_sha256
 from railhil.record.documents import CERTIFICATE, SCORE, read_score
 from railhil.record.hash_list import check_hash_list
+from railhil.record.target import read_target
 from railhil.record.trace import Trace
+from railhil.scenarios.given import TARGET
 from railhil.scenarios.model import AnyScenario, list_injected_faults
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import DEFAULT, system_named
@@ -117,6 +119,9 @@ def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenari
     :raises InputError: the first difference.
     """
     path = folder / CERTIFICATE
+    target = read_target(folder)
+    if document.get("target") != (None if target is None else target.model_dump()):
+        raise InputError(path, "target", document.get("target"), f"what {TARGET} beside it has")
     sup, plant = trace.ident(SupIdent), trace.ident(PltIdent)
     if "controller" in document and plant is not None:
         spec = RunSpec.from_json({**document, "plant_fmu": None}, path)

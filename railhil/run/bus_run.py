@@ -188,8 +188,13 @@ class BusRun(Run):
         blamed = nodes.failed_node()
         killed = blamed is not None and blamed.was_killed
         refusals = [] if killed else [node for node in nodes.list_ended() if node.exit_code() == USAGE]
-        if refusals and not (self.spec.start_up.foreign and self.session.handshake.disagreements):
+        if disagreements := self.session.handshake.disagreements:
+            # The plant ends because of them.
+            refusals = [] if self.spec.start_up.foreign else [node for node in refusals if node.role != "plant"]
+        if refusals:
             return refusals[0].last_words(), True
+        if disagreements:
+            return "; ".join(disagreements), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.handshake.disagreements) or "the plant did not start the run", True
         return "; ".join(filter(None, (self.recorder.lost, self._hole(counters)))), False

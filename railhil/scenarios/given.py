@@ -202,6 +202,10 @@ class RecordedController(GivenController):
         :raises InputError: its files have other contents.
         """
         now, was = given.as_json(), self._recorded.get("files")
+        for key in ("form", "board"):
+            if now.get(key) != self._recorded.get(key):
+                allowed = f"{self.text}, as in {self._file}"
+                raise InputError("command line", OPTION, given.text, allowed)
         if self._recorded["sha256"] == now["sha256"]:
             given.findings = {key: self._recorded[key] for key in FINDINGS if key in self._recorded}
             return

@@ -82,12 +82,12 @@ class Bench:
         return live
 
     def _on_target(self, spec: RunSpec) -> RunSpec:
-        """The run with its law on the target of the session; a controller that the test brings stays as it is."""
-        if not self.settings.target or spec.law.given is not None:
+        """The run with its law, or its C controller, on the target of the session."""
+        if not self.settings.target:
             return spec
-        from railhil.testing.target import exported
+        from railhil.testing.target import on_target
 
-        return exported(spec, self.settings.target, self._folder / "exports")
+        return on_target(spec, self.settings.target, self._folder / "exports")
 
     @property
     def _kind(self) -> str:
