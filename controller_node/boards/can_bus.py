@@ -117,21 +117,21 @@ class CanExchange:
     def _exchange(self, frames: Sequence[Frame], found: list[Frame]) -> None:
         """Add the frames of the board to those found."""
         until_s = time.monotonic() + self._patience_s
+        last = frames[-1]
+        missing = list(self._answers.get(last.data[:2], ()) if last.can_id == self._poll_id else ())
         try:
             found += self._received()
             for frame in frames:
                 if not frame.flags & (ERROR | FD):
                     self._socket.send(pack_frame(frame))
+            while missing:
+                self._wait(until_s, f"has not answered for {self._patience_s:g} s")
+                for frame in self._received():
+                    found.append(frame)
+                    if frame.can_id in missing:
+                        missing.remove(frame.can_id)
         except OSError as error:
             raise self._failed(f"has lost its bus: {error.strerror}") from error
-        last = frames[-1]
-        missing = list(self._answers.get(last.data[:2], ()) if last.can_id == self._poll_id else ())
-        while missing:
-            self._wait(until_s, f"has not answered for {self._patience_s:g} s")
-            for frame in self._received():
-                found.append(frame)
-                if frame.can_id in missing:
-                    missing.remove(frame.can_id)
 
     def close(self) -> None:
         """Leave the bus, and read what the board has said last."""

@@ -172,8 +172,8 @@ class Emulator:
 
     def figures(self) -> dict[str, Any]:
         """Board, image and emulator, and what was measured: instructions of a control period (None: not counted), and
-        octets of the stack that were used (None: unknown)."""
-        table = self.board.table
+        octets of the stack that were used (None: unknown). The emulator's own words are known when it is off."""
+        table, link = self.board.table, self._pipe or self._can
         counts = self.instructions(self._ticks)
         return {
             **figures_of(self.image),
@@ -181,7 +181,7 @@ class Emulator:
             "emulator": self.version,
             "control_periods": len(self._ticks),
             "instructions": None if counts is None else counts._asdict(),
-            "console": [*self.console, *(self._pipe.console if self._pipe is not None else ())],
+            "console": [*self.console, *(() if link is None else link.console)],
             "stack_used_octets": self.image.stack_octets - self._free_stack if self._free_stack else None,
         }
 

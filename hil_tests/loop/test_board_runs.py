@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from hil_tests.support.cli import Done, railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from hil_tests.support.user_suite import run_suite
+from railhil.controller_node.boards import Board
 from railhil.record.framelog import log_sha256
 from railhil.record.hash_list import HASH_LIST, write_hash_list
 from railhil.record.target import read_target
@@ -116,17 +118,30 @@ def test_a_law_and_its_export_on_a_board_are_compared(short: Path, tmp_path: Pat
     assert rows[0]["scores"] == rows[1]["scores"] == rows[2]["scores"]
 
 
+def _talking_board(folder: Path) -> Path:
+    """A copy of a board whose emulator prints a line of its own."""
+    board, emulator = folder / "myboard", folder / "emulator"
+    shutil.copytree(Board.load("cortex_m4f").folder, board)
+    table = board / "board.toml"
+    table.write_text(table.read_text().replace('program = "qemu-system-arm"', f'program = "{emulator}"'))
+    emulator.write_text('#!/bin/sh\necho a word of the emulator >&2\nexec qemu-system-arm "$@"\n')
+    emulator.chmod(0o755)
+    return board
+
+
 def test_a_run_over_a_bus_has_the_same_bytes(
     short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
 ) -> None:
-    board = f"qemu:{export('ipfc.c', 'ipfc', 'ipfc')}@cortex-m3"
-    assert _run(short, tmp_path / "local", "--controller", board).exit_code in (0, 1)
-    done = railhil("run", short, "--no-report", "--quiet", "--out", tmp_path / "bus", "--controller", board)
+    """Also target.json, with what the emulator itself has printed."""
+    board = _talking_board(tmp_path)
+    text = f"qemu:{export('ipfc.c', 'ipfc', 'ipfc')}@{board}"
+    assert _run(short, tmp_path / "local", "--controller", text).exit_code in (0, 1)
+    done = railhil("run", short, "--no-report", "--quiet", "--out", tmp_path / "bus", "--controller", text)
     assert done.exit_code in (0, 1), done.err
     assert log_sha256(tmp_path / "bus" / "frames.log") == log_sha256(tmp_path / "local" / "frames.log")
     found = read_target(tmp_path / "bus")
     assert found is not None
-    assert found.board == "cortex_m3"
+    assert (found.board, found.console) == ("myboard", ["a word of the emulator"])
     assert found == read_target(tmp_path / "local")
 
 

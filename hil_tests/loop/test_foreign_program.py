@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import select
+import shutil
 import signal
 import socket
 import subprocess
@@ -16,7 +19,7 @@ import pytest
 
 from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.exported import STRICT
-from hil_tests.support.foreign import SANITIZED, build_node, export_node, foreign_run, without_status
+from hil_tests.support.foreign import SANITIZED, build, build_node, export_node, foreign_run, without_status
 from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import EXTENDED, Frame
@@ -274,3 +277,41 @@ def test_run_without_controller_refuses_what_it_cannot_have(arguments: tuple[str
     done = railhil("run", *arguments)
     assert done.exit_code == 2
     assert words in done.one_line()
+
+
+_OPEN = """\
+#include "railhil_socket.h"
+#include <errno.h>
+#include <stdio.h>
+int main(int argc, char **argv)
+{ (void)argc; if (railhil_slcan_open(argv[1]) < 0) { puts(strerror(errno)); } return 0; }
+"""
+
+
+@pytest.mark.parametrize(
+    ("bit_rate", "said", "opening"),
+    [
+        (500_000, "", b"C\rS6\rO\r"),
+        (10_000, "", b"C\rS0\rO\r"),
+        (400_000, "Invalid argument", b""),
+        (2_000_000, "Invalid argument", b""),
+    ],
+)
+def test_a_bit_rate_that_a_serial_adapter_does_not_have_is_refused(
+    program: Path, bit_rate: int, said: str, opening: bytes, tmp_path: Path
+) -> None:
+    shutil.copytree(program.parent, tmp_path, dirs_exist_ok=True)
+    header = tmp_path / "ipfc_node.h"
+    assert "BIT_RATE 500000L" in header.read_text()
+    header.write_text(header.read_text().replace("BIT_RATE 500000L", f"BIT_RATE {bit_rate}L"))
+    (tmp_path / "open.c").write_text(_OPEN)
+    opener = build(tmp_path, ["open.c", "railhil_socket.c", "railhil_slcan.c"], "open", STRICT)
+    adapter, line = os.openpty()
+    try:
+        done = subprocess.run([opener, os.ttyname(line)], capture_output=True, text=True, timeout=60, check=True)
+        assert done.stdout.strip() == said
+        arrived = select.select([adapter], [], [], 0)[0]
+        assert (os.read(adapter, 100) if arrived else b"") == opening
+    finally:
+        os.close(adapter)
+        os.close(line)

@@ -168,10 +168,11 @@ class LocalRun(Run):
     def close(self) -> str:
         """Write the nodes' final reports, their telemetry and the logs of the faults, and close the log; returns its
         SHA-256."""
+        # The console of a board is complete when it is off.
+        self.controller.close()
         write_telemetry(self.controller, self.folder / TELEMETRY)
         self.plant.faults.write_logs()
         write_fault_log(self.controller)
-        self.controller.close()
         return self.log.close()
 
 

@@ -20,6 +20,7 @@ enum { TENTHS_UNTIL_SILENT = 5, RETRY_MS = 1000 };
 static const char hexadecimal[] = "0123456789ABCDEF";
 /* Bit rates by the number of their command. */
 static const long rates[] = {10000, 20000, 50000, 100000, 125000, 250000, 500000, 800000, 1000000};
+enum { RATES = sizeof rates / sizeof rates[0] };
 
 static int put(int fd, const char *text, size_t size)
 {
@@ -40,14 +41,19 @@ int railhil_slcan_open(const char *path)
     struct termios line;
     char opening[] = "C\rS0\rO\r";
     size_t rate = 0;
-    const int fd = open(path, O_RDWR | O_NOCTTY);
+    int fd;
+    while (rate < RATES && rates[rate] != RAILHIL_BIT_RATE) {
+        rate++;
+    }
+    if (rate == RATES) {
+        errno = EINVAL;
+        return -1;
+    }
+    opening[3] = hexadecimal[rate];
+    fd = open(path, O_RDWR | O_NOCTTY);
     if (fd < 0) {
         return -1;
     }
-    while (rate < sizeof rates / sizeof rates[0] - 1 && rates[rate] < RAILHIL_BIT_RATE) {
-        rate++;
-    }
-    opening[3] = hexadecimal[rate];
     if (tcgetattr(fd, &line) == 0) {
         line.c_iflag = 0;
         line.c_oflag = 0;
