@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
 
 from railhil.campaign.plan import ALL_LAWS, Plan, Request
 from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.laws import names as laws
-from railhil.scenarios.given import GivenController, given_controller
+from railhil.scenarios.given import given_controllers
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
 from railhil.study.engines import ENGINES
@@ -70,11 +69,6 @@ def _check_engine(namespace: argparse.Namespace) -> None:
         raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
 
 
-def _code(namespace: argparse.Namespace) -> Mapping[str, GivenController]:
-    found = {text: given_controller(text) for text in namespace.laws or ()}
-    return {text: given for text, given in found.items() if given is not None}
-
-
 COMMAND: Command[Plan] = Command(
     "railhil campaign",
     "railhil.campaign.study:CAMPAIGN",
@@ -85,7 +79,7 @@ COMMAND: Command[Plan] = Command(
     check=_check_engine,
     engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: how_made(plan.scenario, [entry.law for entry in plan.entries]),
-    code=_code,
+    code=lambda namespace: given_controllers(namespace.laws or ()),
 )
 
 

@@ -16,7 +16,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.record.run_folder import PARAMETERS
-from railhil.scenarios.given import GivenController, NamedCode, given_controller, refuse_beside
+from railhil.scenarios.given import GivenController, NamedCode, given_controller, given_controllers, refuse_beside
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -88,8 +88,7 @@ def named_laws(laws: Any) -> tuple[tuple[str, ...], dict[str, GivenController]]:
     """
     several = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else (laws,)
     texts = tuple(law if isinstance(law, str) else _text_of(law) for law in several)
-    given = {text: given_controller(text) for text in texts}
-    return texts, {text: one for text, one in given.items() if one is not None}
+    return texts, given_controllers(texts)
 
 
 def _text_of(code: Any) -> str:

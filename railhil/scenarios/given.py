@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -285,3 +285,12 @@ def _digest(name: str, hashes: Mapping[str, str]) -> str:
 def _sha256(path: Path, form: str) -> str:
     with refuse_unreadable(path, form), open_given(path, _BYTES_MAX) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def given_controllers(texts: Iterable[str]) -> dict[str, GivenController]:
+    """The controllers among texts of ``--controller`` or ``--laws``, by their texts; the others are names of laws.
+
+    :raises InputError: like :func:`given_controller`.
+    """
+    found = {text: given_controller(text) for text in texts}
+    return {text: one for text, one in found.items() if one is not None}
