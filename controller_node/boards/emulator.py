@@ -13,13 +13,14 @@ from weakref import finalize
 
 from railhil.bus.frame import Frame
 from railhil.common.errors import Words
-from railhil.controller_node.boards import Board, Image, figures_of
+from railhil.common.python_process import WITH_PARENT
+from railhil.controller_node.boards import Board, Image, Program, figures_of
 from railhil.controller_node.boards.can_bus import CanExchange, PrivateBus
 from railhil.controller_node.pipe import ControllerFailed, Pipe
 from railhil.dbc import Contract
 
-#: The kernel ends the emulator with its parent thread, also if this process is killed.
-_WITH_PARENT = ("setpriv", "--pdeathsig", "KILL")
+#: Of :data:`WITH_PARENT`.
+_TIE = Program(program=WITH_PARENT[0], packages="util-linux")
 _QUIET = ("-display", "none", "-monitor", "none")
 #: No sound of the host's.
 _ENVIRONMENT = {"QEMU_AUDIO_DRV": "none"}
@@ -47,6 +48,7 @@ class Emulator:
         self._patience_s = patience_s
         self._contract = contract
         self._places = {"image": image.file}
+        _TIE.path(f"board {board.name}")
         self._program = board.table.emulator.path(f"board {board.name}")
         self._process: subprocess.Popen[bytes] | None = None
         self._output: IO[bytes] | None = None
@@ -85,7 +87,7 @@ class Emulator:
         with stdin.open("rb") as stream:
             try:
                 done = subprocess.run(
-                    [*_WITH_PARENT, *self.command], stdin=stream, capture_output=True, timeout=limit_s, check=False
+                    [*WITH_PARENT, *self.command], stdin=stream, capture_output=True, timeout=limit_s, check=False
                 )
             except subprocess.TimeoutExpired:
                 words = Words(f"has not ended after {limit_s:g} s")
@@ -105,7 +107,7 @@ class Emulator:
             self._places["can"] = self._bus.interface
         self._output = tempfile.TemporaryFile()  # noqa: SIM115
         self._process = process = subprocess.Popen(
-            [*_WITH_PARENT, *self.command],
+            [*WITH_PARENT, *self.command],
             stdin=subprocess.PIPE if has_pipe else subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=self._output,

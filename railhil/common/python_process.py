@@ -30,6 +30,8 @@ _PR_SET_PDEATHSIG = 1
 _PR_SET_NAME = 15
 #: Interval between two checks whether a process has ended, s.
 _LOOK_S = 0.002
+#: Words before a command: the kernel ends it with its parent thread, also if this process is killed (util-linux).
+WITH_PARENT = ("setpriv", "--pdeathsig", "KILL")
 
 
 class Process(Protocol):

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from railhil.common.python_process import WITH_PARENT
 from railhil.machines import debian
 
 _PURPOSE = "a network namespace"
@@ -75,8 +76,7 @@ def _prepared(interfaces: Sequence[str], command: Sequence[str]) -> list[str]:
     for name in map(shlex.quote, interfaces):
         steps += [f"ip link add {name} type vcan", f"ip link set {name} up"]
     # setpriv comes after unshare: gaining rights in the namespace would clear it again.
-    tied = ["setpriv", "--pdeathsig", "KILL"]
-    return [*tied, "sh", "-c", " && ".join([*steps, 'exec "$@"']), "sh", *command]
+    return [*WITH_PARENT, "sh", "-c", " && ".join([*steps, 'exec "$@"']), "sh", *command]
 
 
 def _in_namespace(command: Sequence[str]) -> list[str]:

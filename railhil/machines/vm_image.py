@@ -21,6 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from railhil.common.python_process import WITH_PARENT
 from railhil.machines import debian
 
 PURPOSE = "a kernel with CAN in a virtual machine"
@@ -233,7 +234,7 @@ def _user_mode_words(boot: Boot) -> list[str]:
     words += [f"uml_dir={boot.control}", "umid=uml", "quiet", "panic=-1"]
     words += ["con=null", "con0=null,fd:2", f"con1=null,fd:{out}", f"con2=null,fd:{err}"]
     words += [f"ubd{number}={disk}" for number, disk in enumerate(boot.disks)]
-    return ["setpriv", "--pdeathsig", "TERM", "sh", "-c", _WHOLE_GROUP, "sh", *words]
+    return [*WITH_PARENT[:-1], "TERM", "sh", "-c", _WHOLE_GROUP, "sh", *words]
 
 
 USER_MODE = Kind(
@@ -255,8 +256,7 @@ def _export(tag: str, folder: Path, options: str) -> list[str]:
 
 
 def _emulated_words(boot: Boot) -> list[str]:
-    # setpriv: the machine must not outlive this process, even if this process is killed.
-    words = ["setpriv", "--pdeathsig", "KILL", "qemu-system-x86_64"]
+    words = [*WITH_PARENT, "qemu-system-x86_64"]
     # No KVM: inside another virtual machine it was observed to abort or hang.
     words += ["-accel", "tcg,thread=multi", "-cpu", "max"]
     words += ["-smp", str(boot.processors), "-m", str(boot.memory_mb)]

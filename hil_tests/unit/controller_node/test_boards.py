@@ -72,9 +72,12 @@ def test_a_missing_compiler_or_emulator_is_named_with_its_package(
     board = Board.load("cortex_m4f")
     with pytest.raises(InputError, match=r"arm-none-eabi-gcc is not installed, .*gcc-arm-none-eabi"):
         board.build(tmp_path, ())
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match=r"setpriv is not installed, .*util-linux"):
+        Emulator(board, _NO_IMAGE, 1.0)
+    (tmp_path / "setpriv").touch(0o755)
     with pytest.raises(InputError, match=r"qemu-system-arm is not installed, .*qemu-system-arm"):
         Emulator(board, _NO_IMAGE, 1.0)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.fixture(scope="module")
