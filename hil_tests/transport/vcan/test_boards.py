@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import socket
 import subprocess
+import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -116,31 +118,72 @@ def test_frames_that_nobody_asked_for_are_passed_on_and_others_are_not_taken(exp
         emulator.exchange([_STATUS])
 
 
-#: Its stack overflows at a frame of TIME_SYNC; it answers TRN_SPEED, and nothing else.
+#: It prints a line. Its stack overflows at a frame of TIME_SYNC; it answers TRN_SPEED, late if that is not 0, and
+#: nothing else.
 _BAD_CONTROLLER = """\
-#include "railhil_control.h"
-void railhil_init(railhil_control_t *control) { control->ended = 0; }
+#include "railhil_board.h"
+void railhil_init(railhil_control_t *control) { control->ended = 0; board_console("hello"); }
 static void overflow(uint32_t can_id) { volatile char wide[100000]; memset((char *)wide, (int)can_id, sizeof wide); }
+static void delay(void) { volatile uint32_t left = 200000000; while (left) { left--; } }
 unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned length, const unsigned char *data,
                          railhil_frame_t *answer)
-{ (void)control; (void)length; (void)data; if (can_id == 0x100) { overflow(can_id); }
+{ (void)control; (void)length; if (can_id == 0x100) { overflow(can_id); }
+  if (can_id == 0x118 && data[0]) { delay(); }
   answer->can_id = 0x333; answer->length = 1; answer->data[0] = 7; return can_id == 0x118; }
 """
+_SPEED = Frame(0x118, bytes(8))
+
+
+@pytest.fixture(scope="module")
+def bad(export: Path) -> Path:
+    (export / "bad.c").write_text(_BAD_CONTROLLER)
+    return export
+
+
+def bad_image(name: str, bad: Path) -> Image:
+    return Board.load(name).build(bad, ("bad.c",))
 
 
 @pytest.mark.long
-def test_board_that_cannot_go_on_is_one_line_and_leaves_nothing(export: Path) -> None:
-    (export / "bad.c").write_text(_BAD_CONTROLLER)
-    bad = Board.load("zcu102").build(export, ("bad.c",))
+@pytest.mark.parametrize("name", BOARDS)
+def test_frames_lost_in_the_receiver_of_a_board_end_it(name: str, bad: Path) -> None:
+    """They arrive while it computes, more than the receiver holds."""
+    emulator = switched_on(name, bad_image(name, bad), 60.0)
+    emulator.exchange([Frame(0x118, b"\x01" + bytes(7))])
+    for _ in range(8):
+        emulator.exchange([_SPEED] * 100)
+        # The emulator takes them out of its socket.
+        time.sleep(0.1)
+    with pytest.raises(ControllerFailed, match="has failed: the CAN receiver has lost frames"):
+        emulator.exchange([_STATUS])
+    assert emulator.console == ["hello", "failure: the CAN receiver has lost frames"]
+
+
+@pytest.mark.long
+def test_a_bus_that_is_lost_while_a_board_answers_is_one_line(bad: Path) -> None:
+    emulator = switched_on("zcu102", bad_image("zcu102", bad))
+    emulator.exchange([_SPEED])
+    assert emulator.figures()["console"] == ["hello"]
+    found = re.search(r"if=(\w+),", " ".join(emulator.command))
+    assert found is not None
+    timer = threading.Timer(0.5, subprocess.run, [["ip", "link", "set", found[1], "down"]], {"check": True})
+    timer.start()
+    with pytest.raises(ControllerFailed, match="board zcu102: has lost its bus: Network is down"):
+        emulator.exchange([_STATUS])
+    timer.join()
+
+
+@pytest.mark.long
+def test_board_that_cannot_go_on_is_one_line_and_leaves_nothing(bad: Path) -> None:
     before = interfaces()
     for frames, words in [
-        ([Frame(0x118, bytes(8)), _STATUS], r"board zcu102: has not answered for 2 s, expected an answer"),
+        ([_SPEED, _STATUS], r"board zcu102: has not answered for 2 s, expected an answer"),
         (
-            [Frame(0x118, bytes(8)), Frame(0x100, bytes(8)), _STATUS],
+            [_SPEED, Frame(0x100, bytes(8)), _STATUS],
             r"board zcu102: has failed: data abort at 0x\w{8}, expected an answer",
         ),
     ]:
-        emulator = switched_on("zcu102", bad, 2.0)
+        emulator = switched_on("zcu102", bad_image("zcu102", bad), 2.0)
         with pytest.raises(ControllerFailed, match=words) as error:
             emulator.exchange(frames)
         assert error.value.frames == [Frame(0x333, b"\x07")]
