@@ -186,6 +186,29 @@ def test_when_a_board_fails_the_train_stops_by_its_own_watch(
     assert "train's EMERGENCY" in done.out
 
 
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("volatile float table[9000]; table[0] = notch; out->notch = table[0];", "stack overflow"),
+        ("out->notch = *(volatile float *)0x1FFF0000;", "hard fault"),
+        ("*(volatile float *)0x100 = notch; out->notch = notch;", "hard fault"),
+    ],
+)
+@pytest.mark.parametrize("board", ["cortex-m4f", "cortex-m3"])
+def test_a_function_that_leaves_the_memory_is_named(
+    board: str, body: str, words: str, short: Path, tmp_path: Path
+) -> None:
+    """A stack that is used up, also where the function jumps over its end; a place without memory; the program."""
+    assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
+    code = tmp_path / "mine" / "mine.c"
+    code.write_text(code.read_text().replace("out->notch = notch;", body))
+    done = _run(short, tmp_path / "run", "--controller", f"qemu:{tmp_path / 'mine'}@{board}", "--patience", "2")
+    assert done.exit_code == 3, done.out + done.err
+    target = read_target(tmp_path / "run")
+    assert target is not None
+    assert target.console[0].startswith(words)
+
+
 def test_a_board_that_fails_before_the_handshake_is_one_line(
     short: Path, tmp_path: Path, export: Callable[[str, str, str], Path]
 ) -> None:

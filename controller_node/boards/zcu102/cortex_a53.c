@@ -75,6 +75,9 @@ uint32_t board_free_stack(void)
     while (at < stack_top && *at == PAINT) {
         at++;
     }
+    if (at == stack_bottom) {
+        board_fault("stack overflow", (uint32_t)(uintptr_t)at);
+    }
     return (uint32_t)((uintptr_t)at - (uintptr_t)stack_bottom);
 }
 
