@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
@@ -46,3 +47,16 @@ def supervisor_polls(contract: Contract) -> tuple[Frame, Frame, Frame]:
         master_frame(ident.f_code, ident.address),
         master_frame(F_DEVICE_STATUS, Role.SUPERVISOR),
     )
+
+
+def answer_ids(contract: Contract, role: Role) -> Mapping[tuple[int, int], tuple[int, ...]]:
+    """Identifiers of the classic frames of each answer of a node, by F code and address of the poll; also of its device
+    status."""
+    own = (port for port in contract.ports if port.source == role.name.lower())
+    found = {(port.f_code, port.address): port.can_ids for port in own}
+    return {**found, (F_DEVICE_STATUS, role.value): (contract.device_status_id,)}
+
+
+def no_answer(can_ids: Sequence[int]) -> Frame:
+    """The frame that means "no answer" in lockstep: an empty one on the last identifier of the answer."""
+    return Frame(can_ids[-1], b"")

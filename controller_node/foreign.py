@@ -12,7 +12,8 @@ from typing import Any, Protocol
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Role
-from railhil.bus.mvb import F_DEVICE_STATUS, check_sequence, parse_master_frame
+from railhil.bus.mvb import check_sequence, parse_master_frame
+from railhil.bus.own_frames import answer_ids, no_answer
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent, TimeSync
@@ -60,10 +61,7 @@ class ForeignNode:
         self._responder = Responder(Role.CONTROLLER, schedule, sinks, {}, contract=contract, paced=False)
         self._responder.on(RunEvent, self._event)
         self._poll_id = contract.poll_id
-        own = (one for one in contract.ports if one.source == "controller")
-        # Last identifier of the answer to each poll.
-        self._own = {(one.f_code, one.address): one.can_ids[-1] for one in own}
-        self._own[F_DEVICE_STATUS, Role.CONTROLLER] = contract.device_status_id
+        self._own = answer_ids(contract, Role.CONTROLLER)
         ident = contract.port(CtlIdent.PORT)
         self._ident_polled = (ident.f_code, ident.address)
         self._stated = self._nominal = bytes.fromhex(scenario.sha256[:8])
@@ -87,16 +85,16 @@ class ForeignNode:
                 self._hand_over()
             return []
         polled = parse_master_frame(frame.data)
-        if polled not in self._own:
+        if polled is None or polled not in self._own:
             return []
         answer = self._hand_over()
         if polled == self._ident_polled:
             return self._state_run(answer)
-        last = self._own[polled]
-        if not self.lockstep or any(one.can_id == last for one in answer):
+        nothing = no_answer(self._own[polled])
+        if not self.lockstep or any(one.can_id == nothing.can_id for one in answer):
             return answer
         # The bus administrator does not wait for an answer, or the end of one, that never comes.
-        return [*answer, Frame(last, b"")]
+        return [*answer, nothing]
 
     def _state_run(self, answer: list[Frame]) -> list[Frame]:
         """Its CTL_IDENT, of the run with its faults: they are the bench's, and an export knows only its scenario."""

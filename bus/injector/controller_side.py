@@ -15,7 +15,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.injector.holding import LOST
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import parse_master_frame
-from railhil.bus.own_frames import OwnFrames
+from railhil.bus.own_frames import OwnFrames, no_answer
 from railhil.bus.reception import Document, Gap, summed
 from railhil.dbc import Contract, Port
 
@@ -122,7 +122,7 @@ class FaultyController:
 
     def _nothing(self, port: Port | None) -> list[Frame]:
         """The frame that means "no answer"."""
-        return [Frame(port.can_ids[-1], b"")] if port is not None and self._node.lockstep else []
+        return [no_answer(port.can_ids)] if port is not None and self._node.lockstep else []
 
     def _instant(self) -> None:
         """Begin and end the faults of an instant that are not about a telegram."""

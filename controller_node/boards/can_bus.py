@@ -14,7 +14,7 @@ import select
 import socket
 import subprocess
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from itertools import count
 from typing import IO
@@ -22,7 +22,8 @@ from weakref import finalize
 
 from railhil.bus.frame import ERROR, FD, Frame
 from railhil.bus.ident import Role
-from railhil.bus.mvb import F_DEVICE_STATUS, master_word
+from railhil.bus.mvb import parse_master_frame
+from railhil.bus.own_frames import answer_ids
 from railhil.bus.packing import CLASSIC_SIZE, pack_frame, unpack_frames
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.boards import Program
@@ -80,7 +81,7 @@ class CanExchange:
         note_period: Callable[[int, int], None],
     ) -> None:
         self._board, self._patience_s, self._note_period = bus.board, patience_s, note_period
-        self._answers = _answers_of(contract)
+        self._answers = answer_ids(contract, Role.CONTROLLER)
         self._poll_id = contract.poll_id
         self._console = console
         os.set_blocking(console.fileno(), False)
@@ -118,7 +119,8 @@ class CanExchange:
         """Add the frames of the board to those found."""
         until_s = time.monotonic() + self._patience_s
         last = frames[-1]
-        missing = list(self._answers.get(last.data[:2], ()) if last.can_id == self._poll_id else ())
+        polled = parse_master_frame(last.data) if last.can_id == self._poll_id else None
+        missing = list(self._answers.get(polled, ()) if polled else ())
         try:
             found += self._received()
             for frame in frames:
@@ -182,11 +184,3 @@ class CanExchange:
 
     def _failed(self, words: str) -> ControllerFailed:
         return ControllerFailed(f"board {self._board}", "", Words(words), "an answer")
-
-
-def _answers_of(contract: Contract) -> Mapping[bytes, tuple[int, ...]]:
-    """Identifiers of the frames that answer each poll of the controller, by its master word."""
-    words = {
-        master_word(port.f_code, port.address): port.can_ids for port in contract.ports if port.source == "controller"
-    }
-    return {**words, master_word(F_DEVICE_STATUS, Role.CONTROLLER): (contract.device_status_id,)}

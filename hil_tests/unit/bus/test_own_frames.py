@@ -8,9 +8,10 @@ import pytest
 
 from hil_tests.support.other_frames import CLASSIC, CONTRACT, FD_ONLY, OTHERS
 from railhil.bus.frame import BRS, FD, Frame
-from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.ident import Role
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.bus.order import BusOrder
-from railhil.bus.own_frames import OwnFrames
+from railhil.bus.own_frames import OwnFrames, answer_ids, no_answer
 from railhil.bus.store import TrafficStore
 from railhil.dbc import wire_contract
 from railhil.record.senders import Findings, Senders
@@ -31,6 +32,18 @@ def test_each_identifier_has_one_form() -> None:
     assert all(Frame(one, b"", FD) in OWN and Frame(one, b"", FD | BRS) in OWN for one in FD_ONLY)
     assert not any(frame in OWN for frame in OTHERS)
     assert not any(Frame(one, b"") in OWN for one in set(range(0x800)) - set(CLASSIC))
+
+
+def test_the_answers_of_a_node_have_the_identifiers_of_its_telegrams() -> None:
+    found = dict(answer_ids(CONTRACT, Role.CONTROLLER))
+    (status,) = found.pop((F_DEVICE_STATUS, Role.CONTROLLER))
+    assert status == device_status_frame(Role.CONTROLLER, 0).can_id
+    made = {TelegramSource(port): port for port in CONTRACT.ports if port.source == "controller"}
+    for source, port in made.items():
+        sent = [frame.can_id for frame in source.frames(bytes(port.data_bytes))]
+        assert list(found.pop((port.f_code, port.address))) == sent
+        assert no_answer(sent) == (sent[-1], b"", 0)
+    assert (len(made) > 2, found) == (True, {})
 
 
 def test_the_store_refuses_what_is_not_ours() -> None:
