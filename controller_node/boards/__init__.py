@@ -22,6 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.user_files import given_json, given_text, hold_alone, refuse_unreadable, refuse_unwritable
+from railhil.controller_node.c_controller.folder import first_error
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import validate
 
@@ -34,10 +35,6 @@ _CONTROL = ("-fwrapv", "-ffp-contract=off", "-ffunction-sections", "-fdata-secti
 _LINK = ("-nostartfiles", "-Wl,--gc-sections", "-Wl,--print-memory-usage")
 _REGION = re.compile(r"^\s*(ROM|RAM|STACK):\s+(\d+) ([KMG]?)B\s+(\d+) ([KMG]?)B", re.MULTILINE)
 _UNITS = {"": 1, "K": 1024, "M": 1024**2, "G": 1024**3}
-
-
-#: The linker's words for a function that nobody has.
-_UNDEFINED = "undefined reference to "
 
 
 class Program(BaseModel):
@@ -129,6 +126,13 @@ class Board:
         step = table.instruction_ns
         if step & (step - 1):
             raise InputError(file, "instruction_ns", step, "a power of two")
+        known = ("image", "can") if table.link == "can" else ("image",)
+        for word in table.emulator.arguments:
+            try:
+                word.format_map(dict.fromkeys(known, ""))
+            except (KeyError, ValueError):
+                allowed = f"text with {' and '.join(f'{{{name}}}' for name in known)}"
+                raise InputError(file, "emulator.arguments", word, allowed) from None
         for source in (*table.sources, table.linker_script):
             if not (folder / source).is_file():
                 raise InputError(file, "sources", source, f"files of {folder}")
@@ -172,7 +176,7 @@ class Board:
                 if not (place / _FIGURES).is_file():
                     draft = Path(tempfile.mkdtemp(prefix=".part-", dir=place.parent))
                     try:
-                        figures = self._compile(path, files, headers, flags, draft)
+                        figures = self._compile(path, folder, files, headers, flags, draft)
                         text = json.dumps(figures | {"board": self.name, "compiler": version}, indent=2)
                         (draft / _FIGURES).write_text(text + "\n", encoding="utf-8")
                         draft.rename(place)
@@ -192,17 +196,39 @@ class Board:
         return self.build(folder, (f"{name}.c",), main="main_log.c", arguments=arguments, optimisation=optimisation)
 
     def _compile(
-        self, compiler: str, files: Sequence[Path], headers: Sequence[Path], flags: Sequence[str], out: Path
+        self,
+        compiler: str,
+        folder: Path,
+        files: Sequence[Path],
+        headers: Sequence[Path],
+        flags: Sequence[str],
+        out: Path,
     ) -> dict[str, object]:
         """Compile and link into ``out``; the image depends on no path. Returns hash and sizes."""
+
+        def call(*words: str) -> str:
+            done = subprocess.run(
+                [compiler, *flags, *words],
+                cwd=out,
+                capture_output=True,
+                text=True,
+                check=False,
+                env=_plain_environment(),
+            )
+            if done.returncode:
+                said = Words(first_error(done.stderr, folder.resolve()))
+                expected = "files that it compiles and links without an operating system"
+                raise InputError(f"board {self.name}", Path(compiler).name, said, expected)
+            return done.stdout
+
         places = [f"-I{place.resolve()}" for place in headers]
         objects = []
         for number, file in enumerate(files):
             language = _LANGUAGES.get(file.suffix, ())
             objects.append(f"{number}.o")
-            self._call([compiler, *flags, *language, *places, "-c", "-o", objects[-1], str(file.resolve())], out)
+            call(*language, *places, "-c", "-o", objects[-1], str(file.resolve()))
         script = (self.folder / self.table.linker_script).resolve()
-        said = self._call([compiler, *flags, *_LINK, "-T", str(script), "-o", _IMAGE, *objects, "-lm"], out)
+        said = call(*_LINK, "-T", str(script), "-o", _IMAGE, *objects, "-lm")
         for name in objects:
             (out / name).unlink()
         sizes = {name: (int(n) * _UNITS[u], int(m) * _UNITS[v]) for name, n, u, m, v in _REGION.findall(said)}
@@ -211,21 +237,6 @@ class Board:
         sha256 = hashlib.sha256((out / _IMAGE).read_bytes()).hexdigest()
         rom, ram, stack = sizes["ROM"][0], sizes["RAM"][0], sizes["STACK"][1]
         return {"sha256": sha256, "rom_octets": rom, "ram_octets": ram, "stack_octets": stack}
-
-    def _call(self, words: Sequence[str], folder: Path) -> str:
-        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False, env=_plain_environment())
-        if done.returncode:
-            lines = done.stderr.splitlines()
-            missing = [line[line.index(_UNDEFINED) :] for line in lines if _UNDEFINED in line]
-            errors = missing or [line for line in lines if "error: " in line]
-            where, _, said = (errors or [done.stderr.strip() or f"exit code {done.returncode}"])[0].rpartition(
-                "error: "
-            )
-            file = where.rstrip(" :").removesuffix("fatal").rstrip(" :") or f"board {self.name}"
-            raise InputError(
-                file, Path(words[0]).name, Words(said), "files that it compiles and links without an operating system"
-            )
-        return done.stdout
 
 
 def shipped_boards() -> list[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -42,6 +43,8 @@ _NAMES = frozenset(("Makefile", "makefile", "GNUmakefile", TABLE))
 _BUILD_S = 300.0
 _END_S = 5.0
 _LETTERS_MAX = 200
+#: What a linker and a compiler say of a failed build, the causes first.
+_CAUSES = ("region .* overflowed .*", "undefined reference to .*", ".*error: .*", ".*not found.*", ".+")
 #: Variables of the environment that a build sees: where its programs are, and those that change its result.
 _PLACES = ("PATH", "HOME", "TMPDIR")
 _OF_BUILD = ("CC", "CXX", "CFLAGS", "CXXFLAGS", "LDLIBS")
@@ -190,7 +193,7 @@ def make_says(folder: Path, text: str, target: str) -> str:
         # Its compilers, too, also where this command is stopped.
         end_group(making)
     if making.returncode:
-        raise InputError(text, "make", Words(first_error(errors)), "files that compile and link")
+        raise InputError(text, "make", Words(first_error(errors, folder)), "files that compile and link")
     return said
 
 
@@ -222,13 +225,14 @@ def compiler_version() -> str:
     return said.partition("\n")[0].strip()
 
 
-def first_error(said: str) -> str:
-    """The line that tells why a build has failed."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
-    for mark in ("undefined reference", "error: ", "not found", ""):
-        for line in lines:
-            if mark in line:
-                return line[:_LETTERS_MAX]
+def first_error(said: str, folder: Path) -> str:
+    """The line of a compiler or linker that tells why a build has failed.
+
+    :param folder: of the build, whose place nobody knows.
+    """
+    for cause in _CAUSES:
+        if found := re.search(cause, said):
+            return found[0].strip().replace(f"{folder}/", "")[:_LETTERS_MAX]
     return "fails without a word"
 
 

@@ -234,6 +234,17 @@ def test_a_c_controller_of_a_user_runs_on_a_board_as_on_the_host(short: Path, tm
     assert log_sha256(tmp_path / "board" / "frames.log") == log_sha256(tmp_path / "host" / "frames.log")
 
 
+def test_what_does_not_fit_into_the_memory_is_named(short: Path, tmp_path: Path) -> None:
+    assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
+    board = tmp_path / "board"
+    shutil.copytree(Board.load("cortex_m4f").folder, board)
+    script = (board / "board.ld").read_text()
+    (board / "board.ld").write_text(script.replace("LENGTH = 1M", "LENGTH = 4K"))
+    done = _run(short, tmp_path / "out", "--controller", f"qemu:{tmp_path / 'mine'}@{board}")
+    assert (done.exit_code, done.err.count("\n")) == (2, 1)
+    assert "region `ROM' overflowed by" in done.err
+
+
 def test_a_function_that_needs_an_operating_system_is_named(short: Path, tmp_path: Path) -> None:
     assert railhil("new", "c-controller", "mine", cwd=tmp_path).exit_code == 0
     code = tmp_path / "mine" / "mine.c"

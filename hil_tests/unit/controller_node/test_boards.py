@@ -54,6 +54,8 @@ def test_a_board_that_there_is_not_is_one_line(text: str, words: str) -> None:
         ("1024", "1000", "instruction_ns: found 1000, allowed a power of two"),
         ('"board.c"', '"bord.c"', "sources: found 'bord.c'"),
         ("tick_ns", "tick", "tick: unknown key"),
+        ('"none"', '"{can}"', "emulator.arguments: found '{can}', allowed text with {image}"),
+        ('"none"', '"{"', "emulator.arguments: found '{'"),
     ],
 )
 def test_a_wrong_board_file_is_one_line(old: str, new: str, words: str, tmp_path: Path) -> None:
@@ -150,7 +152,7 @@ def test_a_file_that_does_not_compile_is_one_line_and_leaves_nothing(folder: Pat
     mine = tmp_path / "mine"
     shutil.copytree(folder, mine, ignore=shutil.ignore_patterns("build"))
     (mine / "ipfc.c").write_text("int x = ;\n")
-    with pytest.raises(InputError, match=r"ipfc\.c:1:9: arm-none-eabi-gcc: expected") as error:
+    with pytest.raises(InputError, match=r"arm-none-eabi-gcc: ipfc\.c:1:9: error: expected") as error:
         Board.load("cortex_m3").build(mine, _SOURCES)
     assert "\n" not in str(error.value)
     assert list((mine / "build").iterdir()) == []
