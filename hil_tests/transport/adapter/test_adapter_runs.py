@@ -19,6 +19,7 @@ from railhil.bench import local_run
 from railhil.bus.codes import Event, ends_run
 from railhil.bus.link import Timeouts
 from railhil.dbc import wire_contract
+from railhil.judge.record_checks import UNCLEAR
 from railhil.judge.result import Result
 from railhil.record.framelog import read_log
 from railhil.record.trace import Trace, trace_of
@@ -111,6 +112,16 @@ def assert_whole(result: Result, folder: Path, move_file: Path) -> None:
     again = railhil("score", folder / "frames.log", "--scenario", move_file, "--json").json
     assert again["verdict"] == result.score.verdict
     assert again["scores"]["itae"] == result.score.values["itae"]
+
+
+def assert_judged(result: Result, *verdicts: str) -> None:
+    """A verdict of the scorer, not a failure of the bench: after an outage in real time the order of telegrams at the
+    controller may not be known from the record, and the machine may have been late."""
+    found = result.score
+    if found.verdict in verdicts:
+        assert result.exit_code in (0, 1) or "timing: " in result.line, result.line
+    else:
+        assert (found.verdict, found.failures[0].startswith(UNCLEAR)) == ("INVALID", True), found.failures
 
 
 def events(trace: Trace) -> list[Event]:
@@ -212,9 +223,7 @@ def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp
     after = trace.times_s("NOTCH_CMD") > begin_s + length_s
     assert after.sum() > 20
     assert set((np.diff(trace.raw("NOTCH_CMD", "NotchLife")[after]) % 16).tolist()) == {1}
-    # A verdict, not a failure of the bench.
-    assert result.score.verdict == "FAIL"
-    assert result.exit_code == 1 or result.line.startswith("timing: ")
+    assert_judged(result, "FAIL")
     assert len(said) == 3, said
     assert "is down (" in said[0]
     assert "is back after 1." in said[1]
@@ -230,9 +239,7 @@ def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_p
     result, trace, said = realtime(socket_folder, move, move_file, tmp_path / "run", orders)
     assert Event.EMERGENCY not in events(trace)
     assert events(trace)[-1] is Event.ENDED_COMPLETE
-    # After an outage in real time the order of telegrams at the controller may not be known from the record.
-    verdict, failures = result.score.verdict, result.score.failures
-    assert verdict in ("PASS", "FAIL") or "later than the recorder" in failures[0], failures
+    assert_judged(result, "PASS", "FAIL")
     for order_s, order in orders.items():
         if order.endswith("0.15"):
             begin_s, length_s = silence_s(trace, order_s)
