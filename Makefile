@@ -118,7 +118,7 @@ lint: $(VENV)/.installed-dev  ## ruff, mypy, import contracts
 	$(BIN)/mypy
 	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
-# The checks of a release (docs/release.md): all tests, every mutant of the code that judges, moves and protects
+# The checks of a release (docs/howto/release.md): all tests, every mutant of the code that judges, moves and protects
 # (hil_tests/mutation/targets.toml), then its pure wheel; hours.
 release: test  ## all tests, mutants and the wheel; hours
 	@$(MAKE) --no-print-directory test-long
@@ -126,8 +126,8 @@ release: test  ## all tests, mutants and the wheel; hours
 	@$(BIN)/python -m hil_tests.mutation
 	@$(BIN)/python -m hil_tests.wheels
 
-# Outputs of commands, and the figures in tables and text, into README.md and docs/*.md (hil_tests/documents); long.
-# ARGS="docs/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
+# Outputs of commands, and the figures in tables and text, into README.md and the pages of docs (hil_tests/documents); long.
+# ARGS="docs/reference/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
 docs: $(VENV)/.installed-dev  ## what commands print, and figures, into the pages
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
 

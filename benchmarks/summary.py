@@ -1,4 +1,4 @@
-"""``python -m benchmarks.summary --python PYTHON...``: the first table of docs/benchmarks.md, as Markdown.
+"""``python -m benchmarks.summary --python PYTHON...``: the first table of docs/reference/benchmarks.md, as Markdown.
 
 Every Python (of a virtual environment in which the bench is installed) measures several times, in turns, so that a slow
 hour of the host is slow for all. A cell has the median of the repetitions, and their range in brackets.

@@ -137,11 +137,11 @@ def hub_limit() -> str:
         if row.option:
             options.setdefault(row.option, []).append(row.subject)
     asked = "; ".join(f"{', '.join(subjects)} only with {option}" for option, subjects in options.items())
-    return f"no {' and no '.join(never)}; {asked} (docs/hub.md)"
+    return f"no {' and no '.join(never)}; {asked} (docs/howto/hub.md)"
 
 
 def hub_table() -> str:
-    """The list as a table of docs/hub.md."""
+    """The list as a table of docs/howto/hub.md."""
     lines = ["| property | option | what the hub does | what is not modelled |", "|---|---|---|---|"]
     for row in HUB_MODEL:
         option = f"`{row.option}`" if row.option else "always" if row.by else "none"

@@ -1,6 +1,6 @@
 """railhil: a hardware-in-the-loop bench for train controllers.
 
-Use as a library: docs/library.md. Modules are loaded when a name is first used.
+Use as a library: docs/howto/library.md. Modules are loaded when a name is first used.
 """
 
 from __future__ import annotations

@@ -71,7 +71,7 @@ def run(
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``,
         ``out`` and a ``controller`` that is no law are used.
     :param controller, arithmetic: the law and its arithmetic; None: the usual ones of the scenario's system.
-    :param faults: faults besides the scenario's own, one text or several (docs/faults.md).
+    :param faults: faults besides the scenario's own, one text or several (docs/reference/faults.md).
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as

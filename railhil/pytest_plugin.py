@@ -1,4 +1,4 @@
-"""The plugin for pytest: fixtures ``bench``, ``seed`` and ``railhil_config``, options, markers (docs/testing.md).
+"""The plugin for pytest: fixtures ``bench``, ``seed`` and ``railhil_config``, options, markers (docs/howto/testing.md).
 
 pytest imports this module in every session of an environment with railhil: it loads nothing but pytest and modules that
 need no library. The bench itself is loaded by the first test that asks for it.

@@ -93,7 +93,7 @@ def given(record: Path) -> dict[str, Any]:
 
 
 def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path) -> None:
-    page = (ROOT / "docs/controllers.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/howto/controllers.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"## In C or C\+\+\n\n```sh[^\n]*\n(.*?)```", page, re.DOTALL)
     lines = block.splitlines()
     assert len(lines) <= 15

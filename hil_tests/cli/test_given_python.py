@@ -34,7 +34,7 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.long_after(1)
 @pytest.mark.parametrize("bus", ["local", ""])
 def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path, bus: str) -> None:
-    page = (ROOT / "docs/controllers.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/howto/controllers.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"## In Python\n\n```sh[^\n]*\n(.*?)```", page, re.DOTALL)
     lines = block.splitlines()
     assert len(lines) <= 15

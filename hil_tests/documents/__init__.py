@@ -1,4 +1,4 @@
-"""README.md and docs/*.md, run: every command, and every figure in a table.
+"""README.md and the pages of docs, run: every command, and every figure in a table.
 
 A page is cut into blocks. The first line of a fenced block, or a comment above a table or a paragraph, says what the
 block is:

@@ -17,7 +17,7 @@ from hil_tests.documents.update import groups
 def main() -> int:
     """Update the pages of the tree."""
     parser = argparse.ArgumentParser(prog="python -m hil_tests.documents", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("pages", nargs="*", default=PAGES, metavar="PAGE", help="README.md, docs/laws.md, ... (all)")
+    parser.add_argument("pages", nargs="*", default=PAGES, metavar="PAGE", help="README.md, docs/index.md, ... (all)")
     parser.add_argument("--quick", action="store_true", help="without what `make test-long` checks")
     parser.add_argument("--only", default="", metavar="TEXT", help="only what has this text in its name")
     given = parser.parse_args()

@@ -1,4 +1,4 @@
-"""Figures of docs/arithmetic.md."""
+"""Figures of docs/explanation/arithmetic.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of docs/audit.md."""
+"""Figures of docs/howto/audit.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of docs/board.md."""
+"""Figures of docs/howto/board.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of docs/high_speed_laws.md."""
+"""Figures of docs/explanation/high_speed_laws.md."""
 
 from __future__ import annotations
 

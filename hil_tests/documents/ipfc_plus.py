@@ -1,4 +1,4 @@
-"""Figures of docs/ipfc_plus.md."""
+"""Figures of docs/explanation/ipfc_plus.md."""
 
 from __future__ import annotations
 

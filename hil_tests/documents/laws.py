@@ -1,4 +1,4 @@
-"""Figures of docs/laws.md."""
+"""Figures of docs/reference/laws.md."""
 
 from __future__ import annotations
 

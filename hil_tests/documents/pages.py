@@ -9,8 +9,14 @@ from functools import cache
 
 from hil_tests.support.paths import ROOT
 
-#: README and the pages beside it. The pages in docs/reproduce are written whole by ``railhil reproduce``.
-PAGES = ("README.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")))
+#: The four kinds of pages: learning by doing, steps of a task, how and why, tables.
+FOLDERS = ("tutorial", "howto", "explanation", "reference")
+#: README and the pages of docs. Those in docs/reproduce are written whole by ``railhil reproduce``.
+PAGES = (
+    "README.md",
+    *sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md")),
+    *sorted(str(path.relative_to(ROOT)) for folder in FOLDERS for path in (ROOT / "docs" / folder).glob("*.md")),
+)
 #: Kinds of a marker above a block.
 MARKERS = ("figures", "measured", "given")
 _FENCE = re.compile(r"^( *)```(.*)$")

@@ -1,4 +1,4 @@
-"""Figures of docs/scores.md."""
+"""Figures of docs/reference/scores.md."""
 
 from __future__ import annotations
 

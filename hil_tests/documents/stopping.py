@@ -1,4 +1,4 @@
-"""Figures of docs/stopping.md."""
+"""Figures of docs/explanation/stopping.md."""
 
 from __future__ import annotations
 

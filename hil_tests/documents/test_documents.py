@@ -1,4 +1,4 @@
-"""README.md and docs/*.md: every command runs, every figure in a table is right (:mod:`hil_tests.documents`)."""
+"""README.md and the pages of docs: every command runs, every figure in a table is right."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import pytest
 
 from hil_tests.documents import commands
 from hil_tests.documents.compared import OtherWords, paragraph, printed, table
-from hil_tests.documents.pages import MARKERS, PAGES, Block, blocks, blocks_of
+from hil_tests.documents.pages import FOLDERS, MARKERS, PAGES, Block, blocks, blocks_of
 from hil_tests.documents.update import Group, groups
+from hil_tests.support.paths import ROOT
 
 #: A line of a block in which nothing is run, and which looks as if somebody should type it.
 _TYPED = re.compile(r"(?:\$ |(?:railhil|make|python3?|docker|pip) [a-z-]+(?= |$)).*")
 #: Pages whose tables are written from a schema; tests elsewhere compare them.
-_WRITTEN = ("docs/scenario_keys.md", "docs/faults.md")
+_WRITTEN = ("docs/reference/scenario_keys.md", "docs/reference/faults.md")
 
 
 @pytest.mark.slow
@@ -52,6 +53,12 @@ def problem(block: Block) -> str:
 def test_every_block_says_what_it_is() -> None:
     found = [f"{block}: {problem(block)}" for block in blocks() if problem(block)]
     assert not found, "\n".join(found)
+
+
+def test_every_page_is_of_one_kind() -> None:
+    """A page is in the folder of its kind. Not so the entrance, and the pages that ``railhil reproduce`` writes."""
+    places = {path.relative_to(ROOT / "docs").parts[0] for path in (ROOT / "docs").rglob("*.md")}
+    assert places <= {"index.md", *FOLDERS, "examples", "reproduce"}
 
 
 def test_commands_and_figures_are_there() -> None:

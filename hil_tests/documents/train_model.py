@@ -1,4 +1,4 @@
-"""Figures of docs/train_model.md."""
+"""Figures of docs/howto/train_model.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of docs/tuning.md."""
+"""Figures of docs/howto/tuning.md."""
 
 from __future__ import annotations
 

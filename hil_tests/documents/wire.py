@@ -1,4 +1,4 @@
-"""Tables, drawings and vectors of docs/wire.md, from the port table and the code of the bus."""
+"""Tables, drawings and vectors of docs/reference/wire.md, from the port table and the code of the bus."""
 
 from __future__ import annotations
 

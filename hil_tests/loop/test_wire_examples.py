@@ -1,4 +1,4 @@
-"""The two controllers of docs/wire.md, which know nothing of railhil: a verdict on each bus, under their own name."""
+"""The two controllers of docs/reference/wire.md know nothing of railhil: a verdict on each bus, under their name."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
                 "command line", OPTION, where, "faults of telegrams, nodes and the bus: an FMU has no others"
             )
         if system.fmu_plant is None:
-            allowed = f"a system with a part {FMU_PART}: it says what an FMU exchanges with the plant (docs/fmi.md)"
+            allowed = f"a system with a part {FMU_PART}: what an FMU exchanges with the plant (docs/howto/fmi.md)"
             raise InputError("command line", OPTION, Words(f"system {system.name}"), allowed)
         return system.part(FMU_PART)(*given, run.plant_fmu), None
     if not found:

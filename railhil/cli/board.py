@@ -29,7 +29,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "check",
         help="handshake and some polls with a controller, and what is wrong with its answers",
         description="Polls a controller as the bus administrator of a run does, while the train stands. Exit code 1 if "
-        "an answer is wrong, 3 if no controller answers (docs/wire.md).",
+        "an answer is wrong, 3 if no controller answers (docs/reference/wire.md).",
     )
     add_options(parser, "scenario", "--set", "--pace", "--rate", "--appear-timeout")
     add_option(parser, "--patience", default=PATIENCE_S, help=f"wall time for an answer (default {PATIENCE_S:g} s)")

@@ -37,7 +37,7 @@ from railhil.scenarios.run_spec import RunSpec
 
 #: Listening time on the requested bus.
 _LISTEN_S = 0.3
-_SEE = "the lines above, and docs/adapters.md"
+_SEE = "the lines above, and docs/howto/adapters.md"
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

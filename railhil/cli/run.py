@@ -104,7 +104,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("run")
     add_arguments(parser)
     laws = f"a law ({', '.join(law_names())}; another system has its own)"
-    add_option(parser, "--controller", help=f"{laws}, or a controller of yours (docs/controllers.md)")
+    add_option(parser, "--controller", help=f"{laws}, or a controller of yours (docs/howto/controllers.md)")
     add_options(parser, "--parameters", "--memory", "--memory-from")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(

@@ -1,5 +1,6 @@
-"""``docs/faults.md``: the fault language, all words and the places where each can be injected, from the tables of this
-package.
+"""``docs/reference/faults.md``: the fault language, all words and the places where each can be injected.
+
+The page is made from the tables of this package.
 
 ``python -m railhil.faults.page`` writes it; a test compares the file with the generated text.
 """
@@ -15,7 +16,7 @@ from railhil.faults.model import Parameter, Word
 from railhil.faults.notation import allowed_text, number_text
 from railhil.faults.words import CLEAR, PLACES, WORDS, levels_of
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "faults.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "faults.md"
 _HEAD = """\
 # Faults
 
@@ -69,11 +70,11 @@ of the train's own watch (`TRN_WATCH`) not by faults of the whole bus. A polled 
 of a later answer. In lockstep the bus administrator waits for the answer to each poll: if there is none, the source
 sends an empty frame on the telegram's last identifier instead, counted as `no_answer`. In real time nothing is sent.
 
-**Error counters and lines** come from the hub's model ([hub.md](hub.md)): `railhil run` starts its hub with `--faults`
-when a fault needs it. The plant gives the orders between its own frames, so a run gives the same bytes again. Plant and
-controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are reports of the
-plant's CAN controller: error frames, error-passive, another trusted line, answers that no line carries. A line that no
-node trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
+**Error counters and lines** come from the hub's model ([hub](../howto/hub.md)): `railhil run` starts its hub with
+`--faults` when a fault needs it. The plant gives the orders between its own frames, so a run gives the same bytes
+again. Plant and controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are
+reports of the plant's CAN controller: error frames, error-passive, another trusted line, answers that no line carries.
+A line that no node trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
 
 **A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that was
 not ordered does not. **What a fault expects** (`expect`) is judged: if the run does not show it, the verdict is FAIL

@@ -1,4 +1,4 @@
-"""``docs/scenario_keys.md``: every key of a scenario file with unit, default and range, from the schema.
+"""``docs/reference/scenario_keys.md``: every key of a scenario file with unit, default and range, from the schema.
 
 ``python -m railhil.scenarios.reference`` writes it; a test compares the file with the generated text.
 """
@@ -15,14 +15,14 @@ from pydantic import BaseModel
 
 from railhil.scenarios.system import DEFAULT, system_named
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "scenario_keys.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "scenario_keys.md"
 _HEAD = """\
 # Every key of a scenario file
 
 Written by `python -m railhil.scenarios.reference` from the schema that checks the files. Keys are written as for
-`--set` ([scenarios.md](scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. In addition, a
-file may contain `extends`, and `[train]`, `[line]` and `[target]` may contain `file`. A `required` key must be given by
-the file or by a file that it is based on.
+`--set` ([scenarios](../howto/scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. In
+addition, a file may contain `extends`, and `[train]`, `[line]` and `[target]` may contain `file`. A `required` key must
+be given by the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 

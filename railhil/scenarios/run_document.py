@@ -194,7 +194,7 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
     ours = [name for name, value in environment.items() if name.startswith("RAILHIL_") and value]
     for name in sorted({*ours} - {*ENVIRONMENT.values()} - OTHER_VARIABLES):
         options = " and ".join(OPTIONS[key] for key in _WITHOUT_VARIABLE)
-        allowed = f"a variable of docs/run_spec.md, or no such variable; {options} have none"
+        allowed = f"a variable of docs/reference/run_spec.md, or no such variable; {options} have none"
         hint = did_you_mean(name, ENVIRONMENT.values())
         faults.found.append(InputError(source, name, environment[name], allowed, hint))
     values: dict[str, Any] = {}

@@ -1,6 +1,6 @@
 """Tests of users: the bench in pytest (:mod:`railhil.pytest_plugin`), its runs, and units.
 
-Guide: docs/testing.md. Importing this package loads nothing else; modules are loaded when a name is first used.
+Guide: docs/howto/testing.md. Importing this package loads nothing else; modules are loaded when a name is first used.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-/* A train controller written from docs/wire.md, without railhil: cc -std=gnu99 -O2 -o controller controller.c -lm
+/* A train controller written from docs/reference/wire.md, without railhil: cc -std=gnu99 -O2 -o controller controller.c -lm
  * controller can INTERFACE (SocketCAN, such as vcan0), or controller hub PATH (Unix socket of the bench's hub) */
 #include <linux/can.h>
 #include <math.h>

@@ -1,4 +1,7 @@
-"""A train controller written from docs/wire.md, without railhil. Usage: controller.py INTERFACE CHANNEL DBC"""
+"""A train controller written from docs/reference/wire.md, without railhil.
+
+Usage: controller.py INTERFACE CHANNEL DBC
+"""
 
 import hashlib
 import math

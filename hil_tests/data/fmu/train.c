@@ -1,5 +1,5 @@
 /* A train as an FMI 2.0 co-simulation FMU: first-order actuator, limits of force and power, Davis resistance, grade.
- * Written from the equations in docs/fmi.md, for the tests of --plant-fmu. Position, speed and force, midpoint rule.
+ * Written from the equations in docs/howto/fmi.md, for the tests of --plant-fmu. Position, speed and force, midpoint rule.
  * With mass 1 forces are accelerations. */
 #include <math.h>
 #include <stdlib.h>

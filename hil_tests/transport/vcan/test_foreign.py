@@ -52,7 +52,7 @@ def test_foreign_controller_sends_the_same_frames_on_vcan(
 def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(
     move: Scenario, language: str, tmp_path: Path
 ) -> None:
-    """The controllers of docs/wire.md. They are tuned for the published run; here only their frames are compared."""
+    """The controllers of docs/reference/wire.md, tuned for the published run: only their frames are compared."""
     examples, dbc, program = ROOT / "docs/examples/wire", str(ROOT / "dbc/railhil.dbc"), str(tmp_path / "controller")
     if language == "C":
         subprocess.run(["gcc", "-std=gnu99", "-o", program, str(examples / "controller.c"), "-lm"], check=True)

@@ -182,7 +182,7 @@ def test_an_old_packet_that_was_not_heard_says_nothing_about_the_newest() -> Non
 
 
 def test_the_page_has_the_list_of_what_is_modelled_and_each_option_exists() -> None:
-    assert hub_table() in (ROOT / "docs" / "hub.md").read_text(encoding="utf-8")
+    assert hub_table() in (ROOT / "docs" / "howto" / "hub.md").read_text(encoding="utf-8")
     parser = argparse.ArgumentParser()
     add_arguments(parser)
     assert {row.option for row in HUB_MODEL} - {""} <= set(parser._option_string_actions)

@@ -15,7 +15,7 @@ from railhil.dbc import ContractError, Port, wire_contract
 CONTRACT = wire_contract()
 RECEIVED = [CONTRACT.port(telegram.PORT) for telegram in MAILBOXES]
 SENT = [CONTRACT.port(telegram.PORT) for telegram in ANSWERS]
-DOCUMENT = ROOT / "docs" / "ecan.md"
+DOCUMENT = ROOT / "docs" / "explanation" / "ecan.md"
 
 
 def by_name() -> dict[str, Mailbox]:

@@ -184,8 +184,8 @@ def test_an_fmu_is_a_plant_of_systems_that_say_how(monkeypatch: pytest.MonkeyPat
     with pytest.raises(InputError) as refused:
         make_plant(with_system(SCENARIO, replace(taking, fmu_plant=None)), spec)
     assert str(refused.value) == (
-        "command line: --plant-fmu: system ato, expected a system with a part fmu_plant: it says what an FMU "
-        "exchanges with the plant (docs/fmi.md)"
+        "command line: --plant-fmu: system ato, expected a system with a part fmu_plant: what an FMU "
+        "exchanges with the plant (docs/howto/fmi.md)"
     )
 
 

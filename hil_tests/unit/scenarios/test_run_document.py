@@ -195,7 +195,7 @@ def test_an_environment_without_our_variables_says_nothing() -> None:
 
 
 def test_the_table_of_the_documents_is_the_one_of_the_code() -> None:
-    text = (ROOT / "docs" / "run_spec.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "run_spec.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| `([^`]+)` \| (?:`(\w+)`|-) \| (?:`(\w+)`|-) \|", text, re.M)
     assert {key: option.split()[0].lower() for key, option, *_ in rows} == dict(OPTIONS)
     assert {key: variable for key, _, variable, _ in rows if variable} == dict(ENVIRONMENT)
