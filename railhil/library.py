@@ -26,6 +26,7 @@ from railhil.record.hash_list import check_hash_list
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
 from railhil.run.spec import (
+    Laws,
     Parameters,
     Settings,
     Texts,
@@ -50,7 +51,7 @@ Outcome = Record
 def run(
     scenario: str | Path | RunSpec = USUAL_SCENARIO,
     *,
-    controller: str | None = None,
+    controller: str | Path | object | None = None,
     arithmetic: str | None = None,
     indexing: str = "time",
     parameters: Parameters | None = None,
@@ -70,8 +71,17 @@ def run(
 
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``,
         ``out`` and a ``controller`` that is no law are used.
-    :param controller, arithmetic: the law and its arithmetic; None: the usual ones of the scenario's system.
-    :param faults: faults besides the scenario's own, one text or several (docs/reference/faults.md).
+    :param controller: name of a law, or a controller of your own: a function, object or class, or its text such as
+        ``mine.py:step``; None: the usual law of the scenario's system.
+    :param arithmetic: of the law; None: the usual one of the scenario's system.
+    :param indexing: set-points over ``time`` or ``distance``.
+    :param parameters: of the law: a file, or values by name; None: the law's own.
+    :param settings: keys of the scenario with other values: a mapping, or texts ``KEY=VALUE``.
+    :param faults: faults besides the scenario's own, one text or several.
+    :param seed: of noise and perturbations.
+    :param perturbed: the seed draws the perturbations of the scenario.
+    :param pace: ``lockstep`` or ``realtime``.
+    :param rate: simulated seconds per second in real time.
     :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
@@ -107,6 +117,7 @@ def run(
 def open_run(folder: str | Path) -> Outcome:
     """A run from its folder, judged again from the log alone; also from version 0.1.0 or from another machine.
 
+    :param folder: run folder, or the log in it.
     :raises InputError: there is no record, or its parts do not belong together.
     """
     return checked_record(str(folder), None)
@@ -163,7 +174,7 @@ class CampaignOutcome:
 def campaign(
     scenario: str | Path = USUAL_SCENARIO,
     *,
-    laws: Any = (USUAL_LAW,),
+    laws: Laws = (USUAL_LAW,),
     runs: int = 1000,
     first_seed: int = 1000,
     arithmetic: str = "float64",
@@ -177,10 +188,17 @@ def campaign(
 ) -> CampaignOutcome:
     """Perturbed runs of one or several laws on the same seeds (needs the extra ``campaign``).
 
+    :param scenario: shipped name, or path of a TOML file.
     :param laws: one or several, or ``"all"``: names of laws, texts as for :func:`run`, or functions and classes at the
         top of a file.
+    :param runs: number of runs of each law.
+    :param first_seed: seed of the first run; each further run has the next seed.
+    :param arithmetic: of the laws.
+    :param indexing: set-points over ``time`` or ``distance``.
     :param parameters: one parameter file or several, each for one of the laws.
     :param both: run these laws also with their own parameters.
+    :param settings: keys of the scenario with other values: a mapping, or texts ``KEY=VALUE``.
+    :param allow_training_seeds: accept seeds on which parameters were tuned; the result is then no evaluation.
     :param jobs: processes; -1: one per core. A script with threads of its own must not begin a campaign again when it
         is imported (``if __name__ == "__main__"``), because processes import it.
     :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); an incomplete campaign is resumed.

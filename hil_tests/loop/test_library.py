@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import json
+import pydoc
 import subprocess
 import sys
 import threading
@@ -46,9 +47,23 @@ def test_every_name_is_there_and_typed() -> None:
         assert getattr(railhil, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'runs'"):
         railhil.runs  # noqa: B018
-    for function in (library.run, library.open_run, library.campaign):
-        parameters = inspect.signature(function).parameters.values()
-        assert all(one.annotation is not inspect.Parameter.empty for one in parameters)
+    assert {name for name in dir(railhil) if not name.startswith("__")} == set(railhil.__all__)
+
+
+@pytest.mark.parametrize("name", ["run", "open_run", "campaign"])
+def test_a_function_says_how_it_is_called(name: str) -> None:
+    """Also those whose name a package has: ``inspect.signature``, ``help`` and notebooks see the function."""
+    called, function = getattr(railhil, name), getattr(library, name)
+    signature = inspect.signature(called)
+    assert signature == inspect.signature(function)
+    assert not {one.kind for one in signature.parameters.values()} & {
+        inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
+    }  # fmt: skip
+    said = inspect.getdoc(called) or ""
+    for parameter in signature.parameters.values():
+        assert parameter.annotation is not inspect.Parameter.empty
+        assert f"{parameter.name}:" in said or f"{parameter.name}," in said
+    assert ":raises InputError:" in pydoc.plain(pydoc.render_doc(called))
 
 
 @pytest.mark.slow
@@ -97,6 +112,10 @@ def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
     assert list(made.signals) == header.split(",") == list(made.signals.units)
     assert all(values.shape == (len(rows),) for values in made.signals.values())
     assert made.signals.units["traction_n"] == "N"
+    assert all(f"{name} " in repr(made.signals) for name in header.split(","))
+    with pytest.raises(KeyError, match=r"did you mean true_speed_mps\?.*odometer_m"):
+        made.signals["true_sped"]
+    assert made.signals.get("true_sped") is None
     milestones = [event.cause for event in made.events if event.kind == "milestone"]
     assert milestones[-1] == "ended_complete"
     assert len(set(milestones)) == len(milestones)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from railhil.common.errors import did_you_mean
 from railhil.judge.declared import Watch, ranks, reports
 from railhil.judge.judging import Judging, judging_of
 from railhil.record.notes import note_values
@@ -27,6 +28,12 @@ class Signals(Mapping[str, FloatArray]):
         self.units = dict(units)
 
     def __getitem__(self, name: str) -> FloatArray:
+        """
+        :raises KeyError: no such column; the message has the columns, and the one that was probably meant.
+        """
+        if name not in self._columns:
+            hint = did_you_mean(str(name), self)
+            raise KeyError(" ".join(filter(None, (f"no column {name!r};", hint, f"columns: {', '.join(self)}"))))
         return self._columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -36,7 +43,33 @@ class Signals(Mapping[str, FloatArray]):
         return len(self._columns)
 
     def __repr__(self) -> str:
-        return f"Signals({', '.join(self)})"
+        cells = [self._heads, *self._rows()]
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells)
+        return "\n".join((self._title, *lines))
+
+    def _repr_html_(self) -> str:
+        from railhil.charts.notebook import html_cell, html_table
+
+        return html_cell(html_table(self._title, self._heads, self._rows(), numbers=(2, 3)))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    _heads = ("column", "unit", "least", "most")
+
+    @property
+    def _title(self) -> str:
+        return f"Signals: {len(self)} columns of {len(next(iter(self.values()), ()))} values"
+
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        """Name, unit, least and most of each column."""
+        found = []
+        for name, values in self.items():
+            known = values[np.isfinite(values)]
+            range_ = (f"{known.min():.6g}", f"{known.max():.6g}") if known.size else ("-", "-")
+            found.append((name, self.units[name], *range_))
+        return found
 
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` with ``time_s`` as its index.

@@ -13,17 +13,16 @@
 from __future__ import annotations
 
 import sys
-from types import ModuleType
+from collections.abc import Callable
 from typing import Any
 
-
-class _Callable(ModuleType):
-    """``railhil.run`` is both the library's function and this package: importing one must not hide the other."""
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        from railhil.library import run
-
-        return run(*args, **kwargs)
+from railhil.common.callable_package import CallablePackage
 
 
-sys.modules[__name__].__class__ = _Callable
+def _function() -> Callable[..., Any]:
+    from railhil.library import run
+
+    return run
+
+
+sys.modules[__name__].__class__ = CallablePackage

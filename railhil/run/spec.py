@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,8 @@ Texts = str | Sequence[str]
 Settings = Mapping[str, Any] | Texts
 #: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
+#: Names of laws, texts of controllers, or functions and classes; one or several.
+Laws = str | Callable[..., Any] | Sequence[str | Callable[..., Any]]
 #: Source of an argument named in errors.
 _LIBRARY = Path("railhil.run")
 
@@ -79,7 +81,7 @@ def brought_controller(controller: Any) -> GivenController | None:
     return PythonObject(controller)
 
 
-def named_laws(laws: Any) -> tuple[tuple[str, ...], dict[str, GivenController]]:
+def named_laws(laws: Laws) -> tuple[tuple[str, ...], dict[str, GivenController]]:
     """The laws of :func:`railhil.campaign` as texts, and the controllers among them.
 
     A function or class becomes the text by which other processes find it.
