@@ -150,7 +150,7 @@ def test_code_blocks_name_only_commands_that_exist():
 
 def test_a_frame_and_a_score_are_followed_through_files_that_are_there() -> None:
     """Two numbered lists: each station is a file of its own, and none comes twice."""
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## Follow one frame")[2]
+    text = (ROOT / "docs/explanation/house.md").read_text(encoding="utf-8").partition("## Follow one frame")[2]
     numbered = re.findall(r"^(\d+)\. `([^`]+)`", text.partition("\n## ")[0], re.MULTILINE)
     begins = [place for place, (number, _) in enumerate(numbered) if number == "1"]
     assert len(begins) == 2

@@ -1,4 +1,4 @@
-"""The worked example of CONTRIBUTING.md, registered like any user's law."""
+"""The worked example of docs/howto/add_law.md, registered like any user's law."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def plugged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_registration_is_the_one_of_the_text() -> None:
-    assert ENTRY in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    assert ENTRY in (ROOT / "docs/howto/add_law.md").read_text(encoding="utf-8")
     assert load_law("pi").name == "pi"
 
 
