@@ -83,11 +83,11 @@ def main() -> int:
     parser = OneLineParser(prog="python -m benchmarks.ablation", description=__doc__.splitlines()[0])
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan_worn_wheels", help="shipped name or TOML file")
     parser.add_argument("--runs", type=whole_number(1, 100_000), default=200, metavar="N", help="(default 200)")
-    parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 100_000), default=1000, help="(default 1000)")
+    parser.add_argument("--seed", type=whole_number(0, SEED_MAX - 100_000), default=1000, help="(default 1000)")
     parser.add_argument("--arithmetic", choices=arithmetics(), default="float64", help="(default float64)")
     namespace = parse(parser)
     scenario = load(namespace.scenario)
-    title = f"{scenario.name}, {namespace.runs} perturbed runs from seed {namespace.first_seed}, {namespace.arithmetic}"
+    title = f"{scenario.name}, {namespace.runs} perturbed runs from seed {namespace.seed}, {namespace.arithmetic}"
     table = Table(title=title, box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
     table.add_column("law")
     for column in ("stop error m", "time error s", "comfort m/s2/km"):
@@ -95,7 +95,7 @@ def main() -> int:
     table.add_column("ITAE\nmedian", justify="right")
     table.add_column("PASS", justify="right")
     for element in ELEMENTS:
-        figures = without(scenario, element, namespace.runs, namespace.first_seed, namespace.arithmetic)
+        figures = without(scenario, element, namespace.runs, namespace.seed, namespace.arithmetic)
         table.add_row(
             element,
             "{:.3f} / {:.3f}".format(*figures.stop_error_m),

@@ -138,12 +138,12 @@ def main() -> int:
     """Print the tables."""
     parser = OneLineParser(prog="python -m benchmarks.constrained", description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=whole_number(1, 1000), default=5, metavar="N", help="seeds (default 5)")
-    parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 1000), default=301, help="(default 301)")
+    parser.add_argument("--seed", type=whole_number(0, SEED_MAX - 1000), default=301, help="(default 301)")
     parser.add_argument("--duration", type=whole_number(60, 10_000), metavar="S", help="only so much of each run")
     parser.add_argument("--only", choices=[name for name, *_ in SITUATIONS], help="only this situation")
     parser.add_argument("--law", choices=sorted({law for law, _ in _ONE}), help="only this law")
     given = parse(parser)
-    seeds = range(given.first_seed, given.first_seed + given.runs)
+    seeds = range(given.seed, given.seed + given.runs)
     settings = [] if given.duration is None else [f"task.duration_s={given.duration}"]
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:

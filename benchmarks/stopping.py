@@ -109,14 +109,14 @@ def main() -> int:
     parser = OneLineParser(prog="python -m benchmarks.stopping", description=__doc__.splitlines()[0])
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan_worn_wheels", help="shipped name or TOML file")
     parser.add_argument("--runs", type=whole_number(1, 100_000), default=2000, metavar="N", help="(default 2000)")
-    parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 100_000), default=1000, help="(default 1000)")
+    parser.add_argument("--seed", type=whole_number(0, SEED_MAX - 100_000), default=1000, help="(default 1000)")
     parser.add_argument("--arithmetic", choices=arithmetics(), default="float64", help="(default float64)")
     parser.add_argument("--elements", action="store_true", help="also with one element off at a time")
     add_option(parser, "--set")
     namespace = parse(parser)
     scenario = load(namespace.scenario, namespace.set)
-    seeds = range(namespace.first_seed, namespace.first_seed + namespace.runs)
-    title = f"{scenario.name}, {namespace.runs} perturbed runs from seed {namespace.first_seed}, {namespace.arithmetic}"
+    seeds = range(namespace.seed, namespace.seed + namespace.runs)
+    title = f"{scenario.name}, {namespace.runs} perturbed runs from seed {namespace.seed}, {namespace.arithmetic}"
     table = Table(title=title, box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
     table.add_column("law")
     for column in ("stop error m\nmedian / p95", "of the law\nmm rms"):

@@ -1,7 +1,7 @@
 """python-can's options and configuration. python-can itself is imported only when a setting is used.
 
 Its import loads every log format with its libraries (with asammdf installed also pandas), in every process that reads
-these options. Options, help and messages are python-can's own; a test compares them.
+these options. Options and messages are python-can's own; a test compares them.
 """
 
 from __future__ import annotations
@@ -38,6 +38,14 @@ def _is_there(path: str) -> bool:
     """Whether there is such a file. False in a home that this user may not read, as in python-can, and without a
     home."""
     return os.path.isfile(os.path.expanduser(path))
+
+
+#: Help of options that the hub has, too.
+CHANNEL_HELP = (
+    "channel of the interface, such as can0 or /dev/ttyACM0; of the hub a socket path or tcp://127.0.0.1:PORT"
+)
+BITRATE_HELP = "bit rate in bit/s"
+DATA_BITRATE_HELP = "CAN FD: bit rate of the data phase in bit/s"
 
 
 class Interfaces:
@@ -84,31 +92,26 @@ def named_bus(namespace: argparse.Namespace) -> dict[str, Any]:
 
 
 def add_bus_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options of ``can.cli.add_bus_arguments``."""
-    group = parser.add_argument_group("bus arguments")
+    """The options of ``can.cli.add_bus_arguments``, with a help of a line each."""
+    group = parser.add_argument_group("bus (options of python-can)")
 
     def add(*flags: str, **settings: Any) -> None:
         group.add_argument(*flags, default=argparse.SUPPRESS, **settings)
 
-    channel = "Most backend interfaces require some sort of channel. For example with the serial interface the channel "
-    channel += 'might be a rfcomm device: "/dev/rfcomm0". With the socketcan interface valid channel examples include: '
-    add("-c", "--channel", metavar="CHANNEL", help=f'{channel}"can0", "vcan0".')
     interface = (
-        "Specify the backend CAN interface to use. If left blank, fall back to reading from configuration files."
+        "python-can's interface, such as socketcan, slcan or pcan; railhil doctor lists those of this installation"
     )
-    # A metavar of its own would hide the names in the help.
-    add("-i", "--interface", choices=Interfaces(), help=interface)
-    add("-b", "--bitrate", type=int, metavar="BITRATE", help="Bitrate to use for the CAN bus.")
-    add("--fd", action="store_true", help="Activate CAN-FD support")
-    data = "Bitrate to use for the data phase in case of CAN-FD."
-    add("--data-bitrate", type=int, metavar="DATA_BITRATE", help=data)
-    timing = "Configure bit rate and bit timing. For example, use `--timing f_clock=8_000_000 tseg1=5 tseg2=2 sjw=2 "
-    timing += "brp=2 nof_samples=1` for classical CAN or `--timing f_clock=80_000_000 nom_tseg1=119 nom_tseg2=40 "
-    timing += "nom_sjw=40 nom_brp=1 data_tseg1=29 data_tseg2=10 data_sjw=10 data_brp=1` for CAN FD. Check the "
-    timing += "python-can documentation to verify whether your CAN interface supports the `timing` argument."
-    several = {"nargs": argparse.ONE_OR_MORE}
-    add("--timing", action=_Timing, metavar="TIMING_ARG", help=timing, **several)
-    kwargs = "Pass keyword arguments down to the instantiation of the bus class. For example, `-i vector -c 1 "
-    kwargs += "--bus-kwargs app_name=MyCanApp serial=1234` is equivalent to opening the bus with `can.Bus('vector', "
-    kwargs += "channel=1, app_name='MyCanApp', serial=1234)"
-    add("--bus-kwargs", action=_BusKwargs, metavar="BUS_KWARG", help=kwargs, **several)
+    # Names as choices, for the message on another one; the metavar keeps them out of the help.
+    add("-i", "--interface", choices=Interfaces(), metavar="INTERFACE", help=interface)
+    add("-c", "--channel", metavar="CHANNEL", help=CHANNEL_HELP)
+    add("-b", "--bitrate", type=int, metavar="BPS", help=BITRATE_HELP)
+    add("--fd", action="store_true", help="use CAN FD")
+    add("--data-bitrate", type=int, metavar="BPS", help=DATA_BITRATE_HELP)
+    several = {"nargs": argparse.ONE_OR_MORE, "metavar": "KEY=VALUE"}
+    add(
+        "--timing",
+        action=_Timing,
+        help="bit timing instead of the bit rate, such as f_clock=8_000_000 brp=2",
+        **several,
+    )
+    add("--bus-kwargs", action=_BusKwargs, help="further arguments of the interface, such as rtscts=True", **several)

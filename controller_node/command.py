@@ -30,7 +30,11 @@ from railhil.scenarios.system import System
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the controller node."""
-    parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
+    parser = OneLineParser(
+        prog="railhil node controller",
+        description="Train speed controller on the bus.",
+        examples=["railhil node controller yizhuang_05 --controller ipfc_plus -i socketcan -c vcan0"],
+    )
     add_options(parser, "scenario", "--controller")
     add_law_options(parser)
     add_option(parser, "--parameters")

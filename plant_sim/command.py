@@ -27,7 +27,11 @@ from railhil.scenarios.scenario_pipe import OPTION, receive_scenario
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the plant node."""
-    parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
+    parser = OneLineParser(
+        prog="railhil node plant",
+        description="Train simulator and bus administrator.",
+        examples=["railhil node plant yizhuang_05 -i socketcan -c vcan0"],
+    )
     add_run_options(parser)
     add_options(parser, "--set", "--fault")
     add_fmu_options(parser)

@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import sys
 
+from railhil.bus.can_settings import BITRATE_HELP, CHANNEL_HELP, DATA_BITRATE_HELP
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import default_channel
 from railhil.bus.hub.portspec import parse_ports
@@ -22,7 +23,11 @@ _bit_rate = whole_number(1, _BITRATE_MAX_BPS)
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register ``railhil bus hub``."""
     kinds = commands.add_parser("bus").add_subparsers(dest="kind", required=True, metavar="KIND")
-    parser = kinds.add_parser("hub", help="software CAN switch (python-can interface 'railhil')")
+    parser = kinds.add_parser(
+        "hub",
+        help="software CAN switch (python-can interface 'railhil')",
+        examples=["railhil bus hub", "railhil bus hub -c tcp://127.0.0.1:20000 --bitrate-model --arbitration"],
+    )
     add_arguments(parser)
     parser.set_defaults(work=run)
 
@@ -32,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-c",
         "--channel",
-        help=f"socket path, or tcp://127.0.0.1:PORT (open to any local user); default {default_channel()}",
+        help=f"{CHANNEL_HELP} (default {default_channel()})",
     )
     parser.add_argument("--once", action="store_true", help="exit when all clients have left")
     parser.add_argument(
@@ -43,13 +48,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--bitrate",
         type=_bit_rate,
         metavar="BPS",
-        help=f"bit rate of the model, default {DEFAULT_BITRATE_BPS} bit/s",
+        help=f"{BITRATE_HELP}, with --bitrate-model (default {DEFAULT_BITRATE_BPS})",
     )
     parser.add_argument(
         "--data-bitrate",
         type=_bit_rate,
         metavar="BPS",
-        help="CAN FD data bit rate of the model, default that of -b",
+        help=f"{DATA_BITRATE_HELP}, with --bitrate-model (default: that of -b)",
     )
     parser.add_argument(
         "--arbitration",

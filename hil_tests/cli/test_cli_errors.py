@@ -54,8 +54,8 @@ def log_of(folder: Path, frames: list[Frame]) -> Path:
 # -- usage ------------------------------------------------------------------------------------------------------------
 
 USAGE = {
-    "no command": ([], "COMMAND"),
-    "unknown command": (["rnu"], "'rnu'"),
+    "unknown command": (["rnu"], "there is no command 'rnu', did you mean run?"),
+    "one word too many": (["run", "a", "b"], "railhil run: unrecognized arguments: b (see"),
     "unknown option": (["run", "--sede", "3"], "railhil run: unrecognized arguments: --sede, did you mean --seed? "),
     "unknown option of a kind": (["bus", "hub", "--prot", "a:b"], "bus hub: unrecognized arguments: --prot a:b, did"),
     "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),

@@ -36,7 +36,7 @@ def bash_script(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (("run", "yizhuang_0"), {f"yizhuang_0{number}" for number in range(1, 10)}),
         (("run", "--controller", "tp"), {"tpfc1", "tpfc2"}),
         (("tune", "ipfc_"), {"ipfc_plus"}),
-        (("campaign", "--first"), {"--first-seed"}),
+        (("campaign", "--se"), {"--seed", "--set"}),
         (("score", "--js"), {"--json"}),
         (("new", ""), {"law", "scenario", "system"}),
         (("new", "scenario", "mine", "--extends", "yizhuang_0"), {"yizhuang_01", "yizhuang_09"}),

@@ -41,7 +41,7 @@ def _options() -> dict[str, set[str]]:
         found |= {f"{above} {name}": parser for name, parser in _subparsers(found.pop(above)).items()}
     del found["node"]
     programs = {f"node {role}": module for role, module in outside.NODES.items()}
-    programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
+    programs |= outside.PROGRAMS
     for name, module in programs.items():
         found[name] = program_parser(module)
     for above in ("sequence", "target"):

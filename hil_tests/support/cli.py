@@ -78,7 +78,7 @@ def railhil_process(
     module, *words = map(str, ("railhil.cli", *arguments))
     if words and words[0] in PROGRAMS:
         # The command becomes that program, which would load everything again.
-        module, words = PROGRAMS[words[0]][0], words[1:]
+        module, words = PROGRAMS[words[0]], words[1:]
     return run_module(module, words, environment=environment, cwd=cwd, text=text)
 
 

@@ -39,6 +39,10 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of the audit."""
     parser = OneLineParser(
         prog="railhil audit",
+        examples=[
+            "railhil audit",
+            "railhil audit yizhuang_05 --controller ipfc_plus --runs 50",
+        ],
         description="Ranges, quantisation against float64, floor against rounding, effect on the scores, cycles.",
         epilog=_EXIT_CODES,
     )

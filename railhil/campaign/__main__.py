@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from railhil.campaign.plan import ALL_LAWS, Plan, Request
-from railhil.common.command_line import OneLineParser
+from railhil.common.command_line import OneLineParser, accept_former_name
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.laws import names as laws
@@ -34,13 +34,19 @@ def arguments() -> argparse.ArgumentParser:
     usual = Request()
     parser = OneLineParser(
         prog="railhil campaign",
+        examples=[
+            "railhil campaign --laws ipfc,ipfc_plus --runs 200 --out runs/many",
+            "railhil campaign --resume runs/many",
+            "railhil campaign --verify runs/many --runs 3",
+        ],
         description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
         epilog=exit_codes("workers or scheduler were lost too often, or the bench gave no valid run"),
     )
     add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
     add_options(parser, "--set")
     add_number(parser, Request, "runs", f"runs of each law (default {{}}); --verify: {_VERIFIED_RUNS}")
-    add_number(parser, Request, "first_seed", "seeds from here on (default {})")
+    add_number(parser, Request, "first_seed", "first seed (default {})", option="--seed")
+    accept_former_name(parser, "--first-seed", "--seed")
     parser.add_argument(
         "--laws",
         type=_law_list,

@@ -256,7 +256,7 @@ def make_plan(request: Request, code: Code | None = None) -> Plan:
     require_perturbations(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
-        raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+        raise InputError("command line", "--seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
     plan = Plan(request, scenario, _entries(request, system, code or {}))
     for entry in plan.entries:
         if not isinstance(entry.law.given, RecordedController):

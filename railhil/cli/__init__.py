@@ -17,6 +17,8 @@ def main(words: Sequence[str] | None = None) -> int:
     :param words: the command line; None: that of this process.
     """
     given = sys.argv[1:] if words is None else list(words)
+    if given[:1] == ["help"]:
+        given = [*given[1:], "--help"]
 
     def work() -> int:
         from railhil.cli import programs as outside

@@ -28,6 +28,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = kinds.add_parser(
         "check",
         help="handshake and some polls with a controller, and what is wrong with its answers",
+        examples=[
+            "railhil board check -i socketcan -c can0",
+            "railhil board check -i socketcan -c can0 --pace realtime",
+        ],
         description="Polls a controller as the bus administrator of a run does, while the train stands. Exit code 1 if "
         "an answer is wrong, 3 if no controller answers (docs/reference/wire.md).",
     )

@@ -3,48 +3,102 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import sys
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
 from railhil.cli import programs
 from railhil.common.command_line import OneLineParser, run_command
+from railhil.common.errors import did_you_mean
+from railhil.common.exit_codes import USAGE
 from railhil.dbc import wire_contract
 
-#: Command -> its line in the help, in the order of the help.
-_COMMANDS = {
-    "run": "run a scenario over the bus, record it, score it",
-    "rerun": "repeat a recorded run, name the first frame that differs",
-    "replay": "drive one node with a recorded log, compare its answers",
-    "compare": "run several laws over the bus, one after another, and compare them",
-    "faults": "run the fault catalogue, or random pairs of faults, and print the reactions",
-    "score": "score a recorded log",
-    "verify": "check the files of a folder against its list of hashes, and who has signed it",
-    "report": "write report.html of recorded runs (needs the extra [report])",
-    "plot": "draw a recorded run (needs the extra [report])",
-    "export": "write a recorded run as files of other tools",
-    "watch": "watch a run on a bus in the terminal (listens only)",
-    "memory": "show, check or export the memory that a law has kept",
-    "scenarios": "list the shipped scenarios, or check one file",
-    "ports": "print ports, telegram layouts and bus load",
-    "new": "write a law, a scenario or a system to start from",
-    "doctor": "timing and limits of this machine and its transports",
-    "node": "run one node by itself",
-    **{name: line for name, (_, line) in programs.PROGRAMS.items()},
-    "board": "check a controller on a bus before its first run",
-    "bus": "bus processes",
+#: Groups of commands in the help, with the line of each command.
+GROUPS: Mapping[str, Mapping[str, str]] = {
+    "set up": {
+        "new": "write a law, a scenario, a controller or a system to start from",
+        "scenarios": "list the shipped scenarios, or check a file of yours",
+        "doctor": "timing, interfaces and limits of this machine",
+        "completion": "print a completion script for bash or zsh",
+    },
+    "make runs": {
+        "run": "run a scenario over the bus, record it, score it",
+        "compare": "run several laws, one after another, and compare them",
+        "faults": "run the fault catalogue, or random pairs of faults",
+        "campaign": "thousands of perturbed runs: statistics, worst runs",
+        "learn": "sequences of runs of a law that learns: how its errors decrease",
+        "sequence": "record runs of a law that learns as one piece of evidence",
+        "reproduce": "run the protocol of a paper, compare with its tables",
+    },
+    "look at runs": {
+        "panel": "a page in the browser: the run on a bus, or recorded runs",
+        "watch": "the run on a bus in the terminal (listens only)",
+        "score": "score a recorded log",
+        "report": "write report.html of recorded runs",
+        "plot": "draw a recorded run",
+        "export": "write a recorded run as files of other tools",
+        "memory": "show, check or export the memory that a law has kept",
+    },
+    "check runs": {
+        "verify": "check the files of a folder against its hashes and signature",
+        "rerun": "repeat a recorded run, name the first frame that differs",
+        "replay": "drive one node with a recorded log, compare its answers",
+    },
+    "work on a law": {
+        "audit": "fixed point: ranges, quantisation, cycles, effect on scores",
+        "tune": "tune the parameters of a law on training runs",
+        "train-model": "train the network of a law on a recorded run",
+        "export-c": "write a law as C99 for the target",
+        "target": "a controller in C on an emulated board",
+    },
+    "bus and nodes": {
+        "ports": "print ports, telegram layouts and bus load",
+        "board": "check a controller on a bus before its first run",
+        "node": "run one node by itself",
+        "bus": "the software CAN switch",
+        "vcan": "run a command where the kernel has vcan0",
+    },
+}
+_LINES = {name: line for group in GROUPS.values() for name, line in group.items()}
+#: Command -> its module, unless it is that of its name in this package. A program has none.
+_MODULES = {"node": "railhil.cli.programs", "bus": "railhil.bus.hub.cli"}
+_WHAT = "Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus."
+#: The first commands of a new user, and what each does.
+_FIRST_STEPS = {
+    "railhil run --controller ipfc_plus": "a run with a good law: verdict, scores, report",
+    "railhil new scenario myline": "a line of your own",
+    "railhil new law mylaw": "a law of your own",
+    "railhil new c-controller mine": "a controller of your own in C, C++ or Python",
+    "railhil COMMAND --help": "options and examples of a command",
 }
 
 
-#: Command -> its module, unless it is that of its name in this package. A program has none.
-_MODULES = {"node": "railhil.cli.programs", "bus": "railhil.bus.hub.cli"}
+def _columns(rows: Mapping[str, str]) -> list[str]:
+    width = max(map(len, rows))
+    return [f"  {name:{width}}  {line}" for name, line in rows.items()]
+
+
+def _begin() -> str:
+    """Where to begin."""
+    return "\n".join([_WHAT, "", "where to begin:", *_columns(_FIRST_STEPS)])
+
+
+def _whole_description() -> str:
+    """All commands in their groups."""
+    width = max(map(len, _LINES))
+    lines = [_begin()]
+    for title, group in GROUPS.items():
+        lines += ["", f"{title}:", *(f"  {name:{width}}  {line}" for name, line in group.items())]
+    return "\n".join(lines)
 
 
 class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]
-    """Gives each command its line in the help."""
+    """Gives each command its line, which a completion shows."""
 
     def add_parser(self, name: str, **given: Any) -> argparse.ArgumentParser:
-        made: argparse.ArgumentParser = super().add_parser(name, help=_COMMANDS[name], **given)
+        given.setdefault("description", f"{_LINES[name][0].upper()}{_LINES[name][1:]}.")
+        made: argparse.ArgumentParser = super().add_parser(name, help=_LINES[name], **given)
         return made
 
 
@@ -64,14 +118,14 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     :param words: the words to parse. If they begin with a command, only that one is included; if it names none, as
         for the help, the commands have no options. None: everything.
     """
-    root = OneLineParser(
-        prog="railhil",
-        description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
-    )
+    root = OneLineParser(prog="railhil", usage="railhil COMMAND [options]", description=_whole_description())
     root.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
-    commands = root.add_subparsers(action=_Commands, dest="command", required=True, metavar="COMMAND")
-    bare = words is not None and not any(word in _COMMANDS for word in words)
-    for name in words[:1] if words and words[0] in _COMMANDS else _COMMANDS:
+    # The groups of the description show the commands.
+    commands = root.add_subparsers(
+        action=_Commands, prog="railhil", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
+    )
+    bare = words is not None and not any(word in _LINES for word in words)
+    for name in words[:1] if words and words[0] in _LINES else _LINES:
         if bare or name in programs.PROGRAMS:
             # A program parses its own command line and has its own help.
             commands.add_parser(name, add_help=False)
@@ -82,7 +136,15 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 def work(words: Sequence[str]) -> int:
     """Execute the command line; returns the exit code."""
-    return run_command(parser(words), words, _work)
+    if not words:
+        # In a script, a command that is missing is no success.
+        print(_begin(), "all commands: railhil --help", sep="\n\n", file=sys.stderr)
+        return USAGE
+    asked = parser(words)
+    if not words[0].startswith("-") and words[0] not in _LINES:
+        hint = did_you_mean(words[0], _LINES)
+        asked.error(f"there is no command {words[0]!r}{f', {hint}' if hint else ''}")
+    return run_command(asked, words, _work)
 
 
 def _work(namespace: argparse.Namespace) -> int:

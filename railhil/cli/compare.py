@@ -44,6 +44,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "compare",
+        examples=["railhil compare", "railhil compare yizhuang_05 --laws ipfc,ipfc_plus --seed 7 --perturbed"],
         description="Exit code 0 when all laws pass, 1 when one fails; the highest of the others when a run is more "
         "than failed.",
     )

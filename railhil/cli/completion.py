@@ -43,15 +43,21 @@ def program_parser(module: str) -> argparse.ArgumentParser:
 def whole_parser() -> argparse.ArgumentParser:
     """Every command with its options, including those of other programs; for inspection, not for parsing."""
     root = commands.parser()
-    choices = next(a.choices for a in root._actions if isinstance(a, argparse._SubParsersAction))
-    for name, (module, _) in programs.PROGRAMS.items():
+    below = next(action for action in root._actions if isinstance(action, argparse._SubParsersAction))
+    # The description of the help shows the commands; a completion needs them as arguments.
+    below.help, choices = "command", below.choices
+    for name, module in programs.PROGRAMS.items():
         choices[name] = program_parser(module)
     return root
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of this program."""
-    parser = OneLineParser(prog="railhil completion", description="Print a completion script for the shell.")
+    parser = OneLineParser(
+        prog="railhil completion",
+        description="Print a completion script for the shell.",
+        examples=['eval "$(railhil completion bash)"', "railhil completion zsh > _railhil"],
+    )
     parser.add_argument("shell", choices=sorted(_SCENARIO), metavar="SHELL", help="bash or zsh")
     return parser
 

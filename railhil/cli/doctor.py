@@ -42,7 +42,13 @@ _SEE = "the lines above, and docs/howto/adapters.md"
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("doctor")
+    parser = commands.add_parser(
+        "doctor",
+        examples=[
+            "railhil doctor --quick",
+            "railhil doctor -i socketcan -c can0",
+        ],
+    )
     add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     parser.add_argument(
@@ -71,6 +77,7 @@ def facts(given: Mapping[str, Any], choice: BusChoice) -> dict[str, str]:
         "railhil": f"{version('railhil')}, {railhil_build()}",
         "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
+        "interfaces": ", ".join(sorted(can.VALID_INTERFACES)),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "bus": _bus_sentence(given, choice),
         "DBC sha256": wire_contract().sha256,

@@ -38,7 +38,13 @@ _FORMATS = {
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("export")
+    parser = commands.add_parser(
+        "export",
+        examples=[
+            "railhil export runs/mine --csv",
+            "railhil export runs/mine --mf4 --parquet --out files",
+        ],
+    )
     parser.add_argument("run", help="run folder")
     for name, kind in _FORMATS.items():
         extra = f" (needs the extra [{kind.extra}])" if kind.extra else ""

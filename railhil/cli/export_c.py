@@ -37,7 +37,14 @@ _FILE_COLUMNS = 100
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the export."""
-    parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
+    parser = OneLineParser(
+        prog="railhil export-c",
+        description="Write a control law as C99 for the target.",
+        examples=[
+            "railhil export-c ipfc_plus --out build/ipfc_plus",
+            "railhil export-c ipfc_plus yizhuang_05 --arithmetic float32 --out build/float",
+        ],
+    )
     own = f"control law: {', '.join(names())}; for another system, one of its laws"
     parser.add_argument("law", metavar="LAW", help=own)
     add_option(parser, "scenario", help="shipped name or TOML file: set-points")

@@ -49,6 +49,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "faults",
+        examples=["railhil faults --only T1,S1", "railhil faults yizhuang_05 --pairs 20", "railhil faults --list"],
         description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1; 3 when no "
         "entry could be run.",
     )

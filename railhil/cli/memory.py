@@ -26,11 +26,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("memory")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    show = verbs.add_parser("show", help="print every record")
-    verify = verbs.add_parser("verify", help="exit code 1 if a record cannot be used")
+    show = verbs.add_parser("show", help="print every record", examples=["railhil memory show memory"])
+    verify = verbs.add_parser(
+        "verify",
+        help="exit code 1 if a record cannot be used",
+        examples=["railhil memory verify memory --scenario yizhuang_stop"],
+    )
     verify.add_argument("--scenario", metavar="SCENARIO", help="also check key and values with the law on this one")
     add_option(verify, "--set")
-    export = verbs.add_parser("export", help="write the record that a run would begin with, as one file")
+    export = verbs.add_parser(
+        "export",
+        help="write the record that a run would begin with, as one file",
+        examples=["railhil memory export memory --out kept.json"],
+    )
     export.add_argument("--slot", choices=sorted(SLOT_FILES), help="this one instead")
     export.add_argument("--out", type=Path, required=True, metavar="FILE", help="the file to write")
     for verb in (show, verify, export):

@@ -62,17 +62,33 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("new")
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
-    law = kinds.add_parser("law", help="a control law, as a small distribution")
+    law = kinds.add_parser(
+        "law",
+        help="a control law, as a small distribution",
+        examples=["railhil new law mylaw", "railhil new law mylaw --out laws/mylaw"],
+    )
     _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)
-    scenario = kinds.add_parser("scenario", help="a scenario file based on another one, with the usual keys")
+    scenario = kinds.add_parser(
+        "scenario",
+        help="a scenario file based on another one, with the usual keys",
+        examples=["railhil new scenario myrun --extends yizhuang_05"],
+    )
     _add(scenario, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_scenario)
     scenario.add_argument(
         "--extends", metavar="SCENARIO", default="lvshun_tieshan", help="shipped name or TOML file that it changes"
     )
-    system = kinds.add_parser("system", help="another kind of train and task, as a small distribution")
+    system = kinds.add_parser(
+        "system",
+        help="another kind of train and task, as a small distribution",
+        examples=["railhil new system mysystem --law hold"],
+    )
     _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
     system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
-    controller = kinds.add_parser("c-controller", help="a controller in C, C++ or Python, as a folder")
+    controller = kinds.add_parser(
+        "c-controller",
+        help="a controller in C, C++ or Python, as a folder",
+        examples=["railhil new c-controller mine", "railhil new c-controller mine --python --scenario hst_short"],
+    )
     _add(controller, "the new controller", "DIR", "folder for its files (default: NAME)", _new_controller)
     form = controller.add_mutually_exclusive_group()
     form.add_argument("--python", action="store_true", help="in Python, with a test for pytest")

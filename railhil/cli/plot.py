@@ -19,7 +19,7 @@ _POINTS_MIN = 2
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("plot")
+    parser = commands.add_parser("plot", examples=["railhil plot runs/mine --out run.png"])
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument("--out", metavar="FILE", help="picture (.svg, .png, .pdf; default: run.svg beside the log)")

@@ -7,6 +7,7 @@ from math import fsum
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.can_settings import BITRATE_HELP
 from railhil.bus.schedule import bus_load
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
@@ -22,9 +23,17 @@ _DESCRIBED_COLUMNS = 90
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("ports")
+    parser = commands.add_parser(
+        "ports",
+        examples=[
+            "railhil ports",
+            "railhil ports TRN_SPEED",
+            "railhil ports --system hst1 --write-dbc hst1.dbc",
+        ],
+    )
     parser.add_argument("port", nargs="?", help="port whose layout is wanted")
-    parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
+    said = f"{BITRATE_HELP}, for the load (default: that of the port table)"
+    parser.add_argument("-b", "--bitrate", type=int, metavar="BPS", help=said)
     parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default {DEFAULT})")
     parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
     parser.add_argument("--write-dbc", metavar="FILE", type=Path, help="write the DBC, for cantools and other tools")

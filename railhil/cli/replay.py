@@ -22,7 +22,13 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("replay")
+    parser = commands.add_parser(
+        "replay",
+        examples=[
+            "railhil replay runs/mine --node controller",
+            "railhil replay runs/mine --node plant --port TRN_SPEED",
+        ],
+    )
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: the run folder's)")

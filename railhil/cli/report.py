@@ -21,7 +21,13 @@ _CAMPAIGN = "campaign.json"
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("report")
+    parser = commands.add_parser(
+        "report",
+        examples=[
+            "railhil report runs/mine",
+            "railhil report runs/mine runs/other --out both.html",
+        ],
+    )
     parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison or of a campaign")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument(

@@ -24,7 +24,7 @@ from railhil.scenarios.options import add_code_options, add_option, named_code
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("rerun")
+    parser = commands.add_parser("rerun", examples=["railhil rerun runs/mine"])
     parser.add_argument("run", help="run folder, or its certificate.json")
     said = "auto: over a bus, as railhil run (default: local, without -i and the like)"
     add_option(parser, "--bus", default=None, help=said)

@@ -101,7 +101,14 @@ _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") fo
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("run")
+    parser = commands.add_parser(
+        "run",
+        examples=[
+            "railhil run --controller ipfc_plus",
+            "railhil run yizhuang_05 --controller ipfc_plus --seed 7 --perturbed --out runs/mine",
+            'railhil run --controller ipfc_plus --fault "TRN_SPEED loss 30% @20s for 5s"',
+        ],
+    )
     add_arguments(parser)
     laws = f"a law ({', '.join(law_names())}; another system has its own)"
     add_option(parser, "--controller", help=f"{laws}, or a controller of yours (docs/howto/controllers.md)")

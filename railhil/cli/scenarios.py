@@ -18,7 +18,14 @@ _NAMES_COLUMNS = 80
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("scenarios")
+    parser = commands.add_parser(
+        "scenarios",
+        examples=[
+            "railhil scenarios",
+            "railhil scenarios yizhuang_05",
+            "railhil scenarios yizhuang_05 --set plan.stop_error_max_m=0.3",
+        ],
+    )
     parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
     add_option(parser, "--set")
     add_json_argument(parser)

@@ -15,7 +15,13 @@ from railhil.report.facts import memory_sentence
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("score")
+    parser = commands.add_parser(
+        "score",
+        examples=[
+            "railhil score runs/mine",
+            "railhil score runs/mine --json",
+        ],
+    )
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     add_json_argument(parser)

@@ -32,7 +32,11 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of the targets."""
     parser = OneLineParser(prog="railhil target", description="A controller in C on its target.")
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
-    qemu = kinds.add_parser("qemu", help="an emulated board: image, reference log, a run in the loop")
+    qemu = kinds.add_parser(
+        "qemu",
+        help="an emulated board: image, reference log, a run in the loop",
+        examples=["railhil target qemu build/ipfc_plus", "railhil target qemu build/ipfc_plus --board cortex_m3"],
+    )
     qemu.add_argument("folder", metavar="FOLDER", help="an export (railhil export-c) or a C controller")
     add_option(qemu, "scenario", help="of the run, for which the folder was exported")
     add_options(qemu, "--set", "--indexing")

@@ -30,6 +30,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "verify",
+        examples=["railhil verify runs/mine", "railhil verify runs/mine --key ~/.ssh/id_ed25519.pub"],
         description="Exit code 0 when every file is as it was written, and signed with --key if that is given; else 1.",
     )
     parser.add_argument("folder", type=Path, help="folder of a run, a comparison, a campaign, a sequence or faults")

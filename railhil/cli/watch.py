@@ -39,6 +39,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser(
         "watch",
+        examples=["railhil watch -i socketcan -c vcan0", "railhil watch -i railhil > run.txt"],
         description="Shows the run on the bus until Ctrl-C, or until the hub has gone. Into a file or pipe it writes "
         "one line per simulated second.",
     )

@@ -9,7 +9,7 @@ import difflib
 import io
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from railhil.common.scheduling import PRIORITY_MAX
@@ -41,6 +41,14 @@ _DIGITS_MAX = 20
 _SEED_RANGE = re.compile(r"0*([0-9]{1,10})(?:\s*-\s*0*([0-9]{1,10}))?", re.ASCII)
 #: Longer words of the command line are truncated in messages.
 _WORD_MAX = 200
+#: Number of values of a positional argument -> its words in the usage.
+_ARITY: Mapping[int | str | None, str] = {
+    "?": "[{}]",
+    "*": "[{} ...]",
+    "+": "{0} [{0} ...]",
+    argparse.PARSER: "{} ...",
+    argparse.REMAINDER: "...",
+}
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -52,28 +60,90 @@ exit codes:
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """:class:`argparse.ArgumentParser` that reports an error in one line instead of the whole usage."""
+    """:class:`argparse.ArgumentParser` that reports an error in one line instead of the whole usage. Its help begins
+    with a short usage, and ends with examples and exit codes.
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
+    :param examples: command lines, as a user types them.
+    """
+
+    def __init__(self, *args: Any, examples: Sequence[str] = (), **kwargs: Any) -> None:
         kwargs.setdefault("epilog", EXIT_CODES)
         kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
         super().__init__(*args, **kwargs)
+        self.examples = tuple(examples)
+
+    def format_help(self) -> str:
+        """The help. Each option stands in it once: the usage only names what must be given."""
+        self.usage = self.usage or self._short_usage()
+        own, examples = self.epilog, [f"  {line}" for line in self._shown_examples()]
+        self.epilog = "\n".join([*(["examples:", *examples, ""] if examples else []), own or ""])
+        try:
+            return super().format_help()
+        finally:
+            self.epilog = own
+
+    def _shown_examples(self) -> list[str]:
+        """Its own examples, or those of its subcommands."""
+        below = [action for action in self._actions if isinstance(action, argparse._SubParsersAction)]
+        inner = [parser for action in below for parser in action.choices.values() if isinstance(parser, OneLineParser)]
+        return list(self.examples) or [line for parser in inner for line in parser.examples]
+
+    def _short_usage(self) -> str:
+        words = [self.prog]
+        for action in self._actions:
+            name = action.metavar if isinstance(action.metavar, str) else action.dest.upper()
+            if not action.option_strings:
+                words.append(_ARITY.get(action.nargs, "{}").format(name))
+            elif action.required:
+                words.append(f"{action.option_strings[-1]} {name}")
+        return " ".join([*words, "[options]"])
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """As in argparse, but a subcommand reports unknown arguments itself instead of passing them up to its parent
         parser, whose help would be the wrong one to read."""
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
-            near = difflib.get_close_matches(unknown[0].partition("=")[0], self._option_string_actions, 1)
+            word = unknown[0].partition("=")[0]
+            known_words = self._option_string_actions if word.startswith("-") else ()
+            near = difflib.get_close_matches(word, known_words, 1)
             hint = f", did you mean {near[0]}?" if near else ""
             self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
         return known, unknown
 
     def error(self, message: str) -> NoReturn:
-        """Print one line and end with exit code 2."""
+        """Print one line and end with exit code 2. If a subcommand is missing, the line names them."""
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction) and message.endswith(f"required: {action.metavar}"):
+                message = f"{action.metavar} is missing: one of {', '.join(action.choices)}"
         words = (word if len(word) <= _WORD_MAX else f"{word[:_WORD_MAX]}..." for word in message.split())
         print(escape_controls(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)
+
+
+class _FormerName(argparse.Action):
+    """An option by its former name, which the help does not show."""
+
+    def __init__(self, *args: Any, now: argparse.Action, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._now = now
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        name = self._now.option_strings[-1]
+        print(f"{parser.prog}: {option} is called {name} now; a later version will not know it", file=sys.stderr)
+        self._now(parser, namespace, values, name)
+
+
+def accept_former_name(parser: argparse.ArgumentParser, former: str, name: str) -> None:
+    """Accept an option by its former name, too, with a line that says so.
+
+    :param name: of the option now, which the parser has.
+    """
+    now = next(action for action in parser._actions if name in action.option_strings)
+    same: dict[str, Any] = {"dest": now.dest, "nargs": now.nargs, "type": now.type}
+    hidden = argparse.SUPPRESS
+    parser.add_argument(former, action=_FormerName, now=now, default=hidden, help=hidden, **same)
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:

@@ -50,6 +50,7 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of the training."""
     parser = OneLineParser(
         prog="railhil train-model",
+        examples=["railhil train-model runs/dither --kind elm --out network.toml"],
         description="Train the network of a law for high-speed trains on a recorded run; the file is for --parameters.",
         epilog=_EXIT_CODES,
     )

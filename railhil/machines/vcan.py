@@ -40,6 +40,7 @@ def arguments() -> argparse.ArgumentParser:
     """Command line."""
     parser = OneLineParser(
         prog="railhil vcan",
+        examples=["railhil vcan -- railhil run -i socketcan -c vcan0"],
         description="Run a command where vcan0 and vcan1 are up: in a network namespace of this kernel, else in a "
         "virtual machine.",
         epilog="exit codes: the command's own, 128 + number of a signal; 77 when this host can have neither;\n"

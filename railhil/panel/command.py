@@ -23,6 +23,10 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of the panel."""
     parser = OneLineParser(
         prog="railhil panel",
+        examples=[
+            "railhil panel runs/mine",
+            "railhil panel -i socketcan -c vcan0",
+        ],
         description="A page in the browser, served on 127.0.0.1 only: the run on a bus, or recorded runs.",
         epilog=_EXIT_CODES,
     )

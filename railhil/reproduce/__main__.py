@@ -59,6 +59,10 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
     names = tuple(papers)
     parser = OneLineParser(
         prog="railhil reproduce",
+        examples=[
+            "railhil reproduce",
+            "railhil reproduce ipfc --out ipfc",
+        ],
         description="Run the protocol of a paper and print its tables beside the published ones, with what does not "
         "follow and why.",
         epilog=_EXIT_CODES,

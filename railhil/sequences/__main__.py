@@ -20,6 +20,10 @@ def arguments() -> argparse.ArgumentParser:
     usual = Request()
     parser = OneLineParser(
         prog="railhil learn",
+        examples=[
+            "railhil learn yizhuang_stop --sequences 20 --out runs/learn",
+            "railhil learn --verify runs/learn",
+        ],
         description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
         epilog=exit_codes("workers or scheduler were lost too often"),
     )

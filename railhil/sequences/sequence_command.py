@@ -46,7 +46,11 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of ``railhil sequence``."""
     parser = OneLineParser(prog="railhil sequence", description="Runs of a law that learns, as one piece of evidence.")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=OneLineParser)
-    run = verbs.add_parser("run", help="record a sequence; an interrupted one is gone on with")
+    run = verbs.add_parser(
+        "run",
+        help="record a sequence; an interrupted one is gone on with",
+        examples=["railhil sequence run yizhuang_stop --runs 5 --out runs/sequence"],
+    )
     add_arguments(run)
     add_option(run, "--controller", help="a law with a memory (default: that of the system)")
     add_option(run, "--parameters")
@@ -55,9 +59,17 @@ def arguments() -> argparse.ArgumentParser:
     run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
     add_page_argument(run)
     add_sign_argument(run)
-    verify = verbs.add_parser("verify", help="check every file of a sequence against its hashes")
+    verify = verbs.add_parser(
+        "verify",
+        help="check every file of a sequence against its hashes",
+        examples=["railhil sequence verify runs/sequence"],
+    )
     verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
-    rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
+    rerun = verbs.add_parser(
+        "rerun",
+        help="make the sequence again: the same bytes, or the first run that differs",
+        examples=["railhil sequence rerun runs/sequence"],
+    )
     rerun.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
     add_option(rerun, "--bus", default=None, help="auto: over a bus (default: local, without -i and the like)")
     add_bus_arguments(rerun)

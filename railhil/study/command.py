@@ -27,7 +27,7 @@ from railhil.study.plan import P, Shard, Study
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
 
 #: Field of a request -> attribute of the command line, if it has another name.
-_ATTRIBUTE = {"settings": "set", "faults": "fault"}
+_ATTRIBUTE = {"settings": "set", "faults": "fault", "first_seed": "seed"}
 
 
 def exit_codes(lost: str) -> str:
@@ -70,12 +70,13 @@ def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified
     )
 
 
-def add_number(parser: argparse.ArgumentParser, request: type[Any], name: str, said: str) -> None:
+def add_number(parser: argparse.ArgumentParser, request: type[Any], name: str, said: str, option: str = "") -> None:
     """An option for a number of the requests: its bounds are those of the field.
 
     :param said: the help; ``{}`` stands for the usual value.
+    :param option: if it has another name than the field.
     """
-    option = f"--{name.replace('_', '-')}"
+    option = option or f"--{name.replace('_', '-')}"
     (declared,) = get_type_hints(request, include_extras=True)[name].__metadata__
     low, high = (bound for one in declared.metadata for bound in asdict(one).values())
     usual = getattr(request(), name)

@@ -54,7 +54,7 @@ def training_seeds(scenario: AnyScenario, law: LawSpec, seeds: range) -> list[in
 
 
 def check_unseen(
-    scenario: AnyScenario, law: LawSpec, seeds: range, option: str = "--first-seed", allowed: str = OTHER_SEEDS
+    scenario: AnyScenario, law: LawSpec, seeds: range, option: str = "--seed", allowed: str = OTHER_SEEDS
 ) -> None:
     """Refuse to evaluate parameters on runs that were used to find them.
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, fields
 
-from railhil.common.command_line import SEED_MAX, USUAL_SCENARIO, OneLineParser, seed_list, whole_number
+from railhil.common.command_line import (
+    SEED_MAX,
+    USUAL_SCENARIO,
+    OneLineParser,
+    accept_former_name,
+    seed_list,
+    whole_number,
+)
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
@@ -61,6 +68,11 @@ def arguments() -> argparse.ArgumentParser:
     """Command line of the search."""
     parser = OneLineParser(
         prog="railhil tune",
+        examples=[
+            "railhil tune ipfc yizhuang_05 --budget 200 --out tuned.toml",
+            "railhil tune --evaluate tuned.toml --runs 200",
+            "railhil tune --list",
+        ],
         description="Tune the parameters of a law on training runs, then compare them with its own on other runs.",
         epilog=_EXIT_CODES,
     )
@@ -100,12 +112,14 @@ def arguments() -> argparse.ArgumentParser:
         help="runs of the evaluation (default 200, 0 leaves it out)",
     )
     parser.add_argument(
-        "--first-seed",
+        "--seed",
+        dest="first_seed",
         type=whole_number(0, SEED_MAX),
         default=1000,
         metavar="N",
-        help="seeds of the evaluation from here on (default 1000)",
+        help="first seed of the evaluation (default 1000)",
     )
+    accept_former_name(parser, "--first-seed", "--seed")
     add_option(parser, "--arithmetic", default="float64", help="of the evaluation (default float64)")
     said = "also evaluate on training seeds; the table then says so"
     add_option(parser, "--allow-training-seeds", help=said)
@@ -116,9 +130,7 @@ def arguments() -> argparse.ArgumentParser:
 def check_combination(namespace: argparse.Namespace) -> None:
     """Refuse options that do not go together. Raises InputError."""
     if namespace.first_seed + namespace.runs - 1 > SEED_MAX:
-        raise InputError(
-            "command line", "--first-seed, --runs", namespace.first_seed, f"a last seed of at most {SEED_MAX}"
-        )
+        raise InputError("command line", "--seed, --runs", namespace.first_seed, f"a last seed of at most {SEED_MAX}")
     if namespace.list and namespace.law is not None:
         raise InputError("command line", "--list", namespace.law, Sentence("cannot be given with a law"))
     if namespace.evaluate is not None:

@@ -84,7 +84,7 @@ def _protocol(request: Request) -> Protocol:
     if seen and not request.allow_training_seeds:
         raise InputError(
             "command line",
-            "--first-seed, --runs",
+            "--seed, --runs",
             Words(f"seed {seen[0]}, which is a training seed"),
             "other seeds for the evaluation, or --allow-training-seeds, which its table then says",
         )

@@ -26,7 +26,7 @@ from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.scenario.canonical import judged_sha256
 
 #: Of every campaign here that is to give the same results.
-SAME = ("--runs", "24", "--first-seed", "50")
+SAME = ("--runs", "24", "--seed", "50")
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,7 @@ def test_a_default_folder(campaign, short):
     ("arguments", "words"),
     [
         (("--runs", "25"), "campaign.runs: found 24, allowed 25 to go on with it; another --out begins a new campaign"),
-        (("--first-seed", "51"), "campaign.first_seed: found 50, allowed 51"),
+        (("--seed", "51"), "campaign.first_seed: found 50, allowed 51"),
         (("--arithmetic", "iq"), "campaign.arithmetic: found 'float64', allowed 'iq'"),
         (("--indexing", "distance"), "campaign.indexing: found 'time', allowed 'distance'"),
         (("--chunk", "3"), "campaign.chunk: found 24, allowed 3"),

@@ -89,7 +89,7 @@ class Campaign:
 
     def __init__(self, short: Path, folder: Path, *engine: str) -> None:
         self.folder = folder
-        words = ["campaign", short, "--runs", RUNS, "--first-seed", FIRST_SEED, "--chunk", 1, "--out", folder, *engine]
+        words = ["campaign", short, "--runs", RUNS, "--seed", FIRST_SEED, "--chunk", 1, "--out", folder, *engine]
         # A group of its own, as a terminal gives it: Ctrl-C reaches the workers too.
         self.process = subprocess.Popen(
             [sys.executable, "-m", "railhil.cli", *map(str, words)],

@@ -22,10 +22,10 @@ from railhil.study.manifest import manifest_of, read_manifest
 
 @pytest.mark.slow
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
-    same = ("--runs", "3", "--first-seed", "198", "--laws", "ipfc,ipfc_plus", "--out", "mine")
+    same = ("--runs", "3", "--seed", "198", "--laws", "ipfc,ipfc_plus", "--out", "mine")
     refused = campaign(*same)
     assert refused.exit_code == 2
-    assert "--first-seed: seed 198, on which ipfc_plus's own parameters were chosen" in refused.one_line()
+    assert "--seed: seed 198, on which ipfc_plus's own parameters were chosen" in refused.one_line()
     assert "--allow-training-seeds, which every table then says" in refused.one_line()
     assert not Path("mine").exists()
     request = Request(first_seed=198, runs=3, laws=("ipfc", "ipfc_plus"))
@@ -111,7 +111,7 @@ def test_the_request_comes_back_from_the_manifest(tmp_path):
         (["--laws", "ipfc,ipcf"], "--laws: found 'ipcf', allowed all, or some of "),
         (["--laws", "ipfc,ipfc"], "ipfc twice"),
         (["--runs", "0"], "found 0, allowed 1..10000000"),
-        (["--first-seed", "4294967290"], "last seed 4294968289, expected at most 4294967295"),
+        (["--seed", "4294967290"], "last seed 4294968289, expected at most 4294967295"),
         (["--arithmetic", "nix"], "--arithmetic"),
         (["--engine", "nix"], "--engine"),
         (["--jobs", "2"], "--jobs: used only with --engine processes"),

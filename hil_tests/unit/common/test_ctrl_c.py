@@ -50,9 +50,7 @@ def test_ctrl_c_while_the_modules_load(tmp_path, monkeypatch, module):
 
 @pytest.mark.long_after(4)
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "module", [*outside.NODES.values(), *(module for module, _ in outside.PROGRAMS.values())], ids=str
-)
+@pytest.mark.parametrize("module", [*outside.NODES.values(), *outside.PROGRAMS.values()], ids=str)
 def test_ctrl_c_on_the_way_into_another_program(module):
     """Every program that ``railhil`` becomes takes what was held back."""
     done = subprocess.run(
@@ -72,7 +70,7 @@ def test_railhil_holds_ctrl_c_back_when_it_becomes_another_program(monkeypatch):
     try:
         outside.become_program(["export-c", "ipfc"])
         assert [signal.SIGINT in signals for signals in held] == [True]
-        monkeypatch.setitem(outside.PROGRAMS, "export-c", ("no_such_module", ""))
+        monkeypatch.setitem(outside.PROGRAMS, "export-c", "no_such_module")
         with pytest.raises(InputError):
             outside.become_program(["export-c", "ipfc"])
     finally:

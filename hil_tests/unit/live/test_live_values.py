@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from railhil.bus.select import no_bus
 from railhil.cli import watch
 from railhil.cli.progress import Progress
 from railhil.cli.run_identity import RunIdentity
+from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.dbc import wire_contract
@@ -263,7 +263,7 @@ def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytes
     monkeypatch.setattr(watch, "named_scenario", lambda *asked: recorded.scenario)
     monkeypatch.setattr(watch, "listening", lambda config: bus)
     monkeypatch.setattr(watch, "watch", lambda link, view, show: views.append(view))
-    parser = argparse.ArgumentParser()
+    parser = OneLineParser()
     watch.add_parser(parser.add_subparsers())
     texts = []
     for frames, arguments in ((untold, ["--controller", "ipfc"]), (untold, []), (whole, [])):

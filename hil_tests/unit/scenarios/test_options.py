@@ -21,7 +21,7 @@ _COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan
 _READERS = ("can_settings.py", "options.py", "command_line.py")
 #: Options of the same name that are no options of a run: the seed of a network's hidden layer, the memory of a virtual
 #: machine, the map of an FMU that is only looked at.
-_OTHERS = {("learning", "--seed"), ("machines", "--memory"), ("cli", "--fmu-map")}
+_OTHERS = {("learning", "--seed"), ("tuning", "--seed"), ("machines", "--memory"), ("cli", "--fmu-map")}
 
 
 def modules(word: str) -> Iterator[tuple[Path, ast.Module]]:

@@ -178,8 +178,8 @@ def test_tune_as_a_user_runs_it(
     weak = evaluated("--set", "watch.emergency_ms=2000")
     assert "watch weakened: emergency_ms 2000 (usual 1000)" in weak.splitlines()
     with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
-        evaluated("--first-seed", "2")
-    assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")
+        evaluated("--seed", "2")
+    assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--seed", "2", "--allow-training-seeds")
 
     # Of other code it says so first.
     notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
@@ -219,8 +219,8 @@ def test_ctrl_c_writes_the_best_so_far(
         (["ipfc", "nowhere"], "nowhere"),
         (["ipfc", "--budget", "9"], "found 9, allowed 10..1000000"),
         (["ipfc", "--seeds", "7-0"], "found 7-0, allowed seeds and ranges"),
-        (["ipfc", "--first-seed", "5"], "seed 5, which is a training seed"),
-        (["ipfc", "--first-seed", "4294967295"], "a last seed of at most 4294967295"),
+        (["ipfc", "--seed", "5"], "seed 5, which is a training seed"),
+        (["ipfc", "--seed", "4294967295"], "a last seed of at most 4294967295"),
         (["ipfc", "--out", "."], "--out: the file . cannot be written: is a directory"),
         (["ipfc", "--indexing", "sideways"], "--indexing"),
         (["--evaluate", "none.toml"], "none.toml: does not exist"),

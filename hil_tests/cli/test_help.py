@@ -1,0 +1,115 @@
+"""The help: where to begin, commands in groups, an example of each, former names of options."""
+
+from __future__ import annotations
+
+import shlex
+from argparse import ArgumentParser, _SubParsersAction
+from collections.abc import Iterator
+
+import pytest
+
+from hil_tests.support.cli import Railhil, complaint
+from railhil.cli import commands
+from railhil.cli.completion import program_parser, whole_parser
+from railhil.cli.programs import NODES, PROGRAMS
+from railhil.common.command_line import OneLineParser, accept_former_name
+
+#: Shown width of a terminal that nobody has widened.
+_WIDTH = 80
+
+
+def leaves(parser: ArgumentParser) -> Iterator[ArgumentParser]:
+    """Parsers of the commands below a parser, or that parser."""
+    below = [action for action in parser._actions if isinstance(action, _SubParsersAction)]
+    for action in below:
+        for inner in action.choices.values():
+            yield from leaves(inner)
+    if not below:
+        yield parser
+
+
+COMMANDS = {
+    one.prog: one
+    for one in [*leaves(whole_parser()), *map(program_parser, NODES.values())]
+    if one.prog != "railhil node"
+}
+
+
+def test_without_a_command_the_first_steps_are_shown_and_nothing_has_passed(here: Railhil) -> None:
+    done = here()
+    assert (done.exit_code, done.out) == (2, "")
+    assert "railhil run --controller ipfc_plus" in done.err
+    assert "railhil --help" in done.err
+
+
+def test_help_is_a_command_as_people_type_it(here: Railhil) -> None:
+    assert here("help").out == here("--help").out
+    assert here("help", "score").out == here("score", "--help").out
+
+
+def test_every_command_stands_in_one_group_and_in_one_line(here: Railhil) -> None:
+    text = here("--help").out
+    shown = [name for group in commands.GROUPS.values() for name in group]
+    assert len(set(shown)) == len(shown)
+    assert set(shown) >= set(PROGRAMS)
+    for title, group in commands.GROUPS.items():
+        lines = text.partition(f"\n{title}:\n")[2].splitlines()[: len(group)]
+        assert [line.split()[0] for line in lines] == list(group)
+        assert max(map(len, lines)) <= _WIDTH
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_help_is_short_and_has_an_example_that_the_command_takes(name: str) -> None:
+    parser = COMMANDS[name]
+    assert isinstance(parser, OneLineParser)
+    text = parser.format_help()
+    assert parser.format_help() == text
+    assert len(text.partition("\n\n")[0].splitlines()) <= 2, "the usage"
+    assert "socketcand" not in text, "interfaces are listed by railhil doctor"
+    assert parser.examples
+    for example in parser.examples:
+        assert f"\n  {example}\n" in text
+        if "$(" not in example:
+            words = shlex.split(example.partition(" > ")[0])
+            own = name.split()
+            assert words[: len(own)] == own
+            parser.parse_args(words[len(own) :])
+
+
+def test_the_help_of_a_command_of_several_shows_the_examples_of_all(here: Railhil) -> None:
+    text = here("new", "--help").out
+    assert "\n  railhil new law " in text
+    assert "\n  railhil new system " in text
+    assert "law, scenario, " in complaint(here("new"))
+
+
+def test_the_interfaces_are_listed_by_doctor(here: Railhil) -> None:
+    assert "socketcan" in here("doctor", "--quick", "--json").json["interfaces"]
+
+
+#: Examples that work in a folder with a recorded run, in this order.
+WORK = ("scenarios", "ports", "score", "replay", "rerun", "verify", "plot", "export", "report")
+
+
+@pytest.mark.slow
+def test_examples_work(here: Railhil, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RAILHIL_BUS", "local")
+    monkeypatch.setenv("COLUMNS", "120")
+    for place in ("runs/mine", "runs/other"):
+        assert here("run", "--controller", "ipfc_plus", "--no-report", "--out", place).exit_code == 0
+    examples = [example for name in WORK for example in COMMANDS[f"railhil {name}"].examples if "--key" not in example]
+    assert len(examples) > len(WORK)
+    for example in examples:
+        done = here(*shlex.split(example)[1:])
+        assert done.exit_code == 0, (example, done.err)
+
+
+def test_an_option_is_known_by_its_former_name(capsys: pytest.CaptureFixture[str]) -> None:
+    parser = OneLineParser(prog="railhil some")
+    parser.add_argument("--seed", type=int, default=3, metavar="N", help="seed")
+    accept_former_name(parser, "--first-seed", "--seed")
+    assert parser.parse_args(["--first-seed", "7"]).seed == 7
+    line = capsys.readouterr().err
+    assert line.startswith("railhil some: --first-seed is called --seed now")
+    assert parser.parse_args([]).seed == 3
+    assert "first-seed" not in parser.format_help()
