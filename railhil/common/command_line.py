@@ -83,8 +83,9 @@ class OneLineParser(argparse.ArgumentParser):
             self.epilog = own
 
     def _shown_examples(self) -> list[str]:
-        """Its own examples, or those of its subcommands."""
-        below = [action for action in self._actions if isinstance(action, argparse._SubParsersAction)]
+        """Its own examples, or those of the subcommands that its help shows."""
+        shown = [action for action in self._actions if action.help is not argparse.SUPPRESS]
+        below = [action for action in shown if isinstance(action, argparse._SubParsersAction)]
         inner = [parser for action in below for parser in action.choices.values() if isinstance(parser, OneLineParser)]
         return list(self.examples) or [line for parser in inner for line in parser.examples]
 
