@@ -1,4 +1,4 @@
-"""Figures of docs/explanation/ipfc_plus.md."""
+"""Figures of docs/explanation/ipfc_plus.md and docs/reference/ipfc_plus_results.md."""
 
 from __future__ import annotations
 

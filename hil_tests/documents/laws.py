@@ -1,4 +1,4 @@
-"""Figures of docs/reference/laws.md."""
+"""Figures of docs/reference/laws.md, docs/reference/law_results.md and docs/explanation/paper_laws.md."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 railhil's own law, built around the core of the paper's law (an internal model, basis functions, fitting points, gains
 computed offline). Known data of the run enter as tables over the control period number; unknown quantities (force per
 notch, lag, remaining resistance, wheel circumference) are estimated on line. The equations
-and the contribution of each element are in ``docs/explanation/ipfc_plus.md``.
+are in ``docs/explanation/ipfc_plus.md``, and what each element contributes in ``docs/reference/ipfc_plus_results.md``.
 """
 
 from __future__ import annotations

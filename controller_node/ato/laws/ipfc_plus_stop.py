@@ -3,7 +3,8 @@
 IPFC+ brings the errors of position and speed to zero at the planned stop until some 2 s before it, and cannot do both
 afterwards. From a chosen speed on, this law weighs the remaining errors: the place of the stop counts most, its time
 less. Position and speed are predicted with the commands still on their way, and the observer's disturbance is
-subtracted as in IPFC+. ``docs/explanation/ipfc_plus.md`` has the equations and the contribution of each element.
+subtracted as in IPFC+. The equations are in ``docs/explanation/ipfc_plus.md``, and what each element contributes in
+``docs/reference/ipfc_plus_results.md``.
 """
 
 from __future__ import annotations
