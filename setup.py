@@ -9,6 +9,9 @@ call also writes the declarations of telegram classes for type checkers (:mod:`r
 (telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, and what python-can
 subclasses. Functions that the batch has numba compile (:mod:`railhil.common.compilable`) it reads from their source. A
 class that interpreted code subclasses says so (:mod:`railhil.common.mypyc`).
+
+The version is that of pyproject.toml with the label of the commit (:mod:`railhil.common.version`). ``RAILHIL_LABEL``
+gives the label where the build has no git, as in an image: ``+g1234567``, or nothing for a release.
 """
 
 import os
@@ -20,8 +23,9 @@ from pathlib import Path
 
 from setuptools import find_namespace_packages, setup
 
+PYPROJECT = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))
 #: Package -> its folder.
-FOLDERS = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
+FOLDERS = PYPROJECT["tool"]["setuptools"]["package-dir"]
 TREE = "build/tree"
 MODULES = [
     "railhil/bus/acceptance.py",
@@ -135,6 +139,9 @@ import_module("railhil.dbc.stubs").write_stubs(Path())
 if sys.argv[1:2] == ["tree"]:
     lay_out(*sys.argv[2:])
     raise SystemExit
+label = os.environ.get("RAILHIL_LABEL")
+if label is None:
+    label = import_module("railhil.common.version").label(Path.cwd(), PYPROJECT["project"]["version"])
 extensions = []
 compiled = os.environ.get("RAILHIL_COMPILED", "0") not in ("", "0")
 if compiled:
@@ -156,4 +163,6 @@ setup(
     packages=[package for name, folder in FOLDERS.items() for package in packages_of(name, folder)],
     ext_modules=extensions,
     setup_requires=["mypy>=1.11"] if compiled else [],
+    # A source archive keeps its label in setup.cfg, which an empty one here would hide.
+    options={"egg_info": {"tag_build": label}} if label else {},
 )

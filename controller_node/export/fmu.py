@@ -9,12 +9,12 @@ import subprocess
 import tempfile
 import zipfile
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from railhil.common.errors import InputError, Words, describe_os_error
+from railhil.common.version import full_version
 from railhil.controller_node.export.bundle import Bundle
 from railhil.controller_node.export.fmu_law import INTEGERS, FmuLaw, Variable, law_of
 from railhil.controller_node.export.text import template
@@ -118,7 +118,7 @@ def description(law: FmuLaw, fmi: str, sources: tuple[str, ...]) -> bytes:
     token = "guid" if second else "instantiationToken"
     root = ET.Element(
         "fmiModelDescription", {"fmiVersion": fmi, "modelName": law.name, token: law.token},
-        generationTool=f"railhil {version('railhil')}", variableNamingConvention="structured",
+        generationTool=f"railhil {full_version()}", variableNamingConvention="structured",
     )  # fmt: skip
     state = "FMUstate" if second else "FMUState"
     simulation = {"modelIdentifier": law.name, _STEP_SIZE: "true"}

@@ -80,7 +80,7 @@ def _setup(folder: Path, hook: str) -> subprocess.CompletedProcess[str]:
     project = '[project]\nname = "railhil"\nversion = "0"\n[tool.setuptools.package-dir]\nrailhil = "railhil"\n'
     (folder / "pyproject.toml").write_text(project)
     program = f"import sys; sys.modules['mypyc'] = None; from setuptools import build_meta; print(build_meta.{hook})"
-    variables = {**os.environ, "RAILHIL_COMPILED": "1"}
+    variables = {**os.environ, "RAILHIL_COMPILED": "1", "RAILHIL_LABEL": ""}
     words = [sys.executable, "-c", program]
     return subprocess.run(words, cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=60)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import ROOT
-from hil_tests.support.venvs import MissingCapabilityError
+from hil_tests.support.venvs import MissingCapabilityError, project
 
 _BACKEND = "import setuptools.build_meta as build, sys; print(getattr(build, 'build_' + sys.argv[1])(sys.argv[2]))"
 
@@ -25,6 +25,8 @@ class Built:
     wheel: Path
     sdist: Path
     wheel_of_sdist: Path
+    #: That of the commit from which they were built.
+    version: str
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -74,12 +76,17 @@ def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def built(archive: Path, tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """Wheel and source archive, built in an unpacked zip of the tree."""
+    """Wheel and source archive, built in a repository with the files of the tree."""
     folder = tmp_path_factory.mktemp("build")
     source = folder / "source"
     shutil.unpack_archive(archive, source)
+    own = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for words in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "Tree"]):
+        subprocess.run([*own, *words], cwd=source, check=True)
+    head = subprocess.run(["git", "rev-parse", "--short=7", "HEAD"], cwd=source, check=True, capture_output=True)
+    version = f"{project()['version']}+g{head.stdout.decode().strip()}"
     wheel, sdist = _build(source, "wheel", folder / "wheel"), _build(source, "sdist", folder / "sdist")
     # The filters of shutil and tarfile are not in every Python 3.11.
     subprocess.run(["tar", "-xf", sdist, "-C", folder], check=True)
     unpacked = folder / sdist.name.removesuffix(".tar.gz")
-    return Built(wheel, sdist, _build(unpacked, "wheel", folder / "again"))
+    return Built(wheel, sdist, _build(unpacked, "wheel", folder / "again"), version)

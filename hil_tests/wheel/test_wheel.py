@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.paths import ROOT
-from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of, project
+from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of
 from hil_tests.wheel.conftest import Built
 from railhil import AT_TOP
 from railhil.bench import Result
@@ -78,7 +78,7 @@ def run_folder(installed: Environment) -> Path:
 
 def test_wheel_holds_one_package_and_no_tests(built: Built) -> None:
     names = content(built.wheel)
-    assert {name.split("/")[0] for name in names} == {"railhil", f"railhil-{project()['version']}.dist-info"}
+    assert {name.split("/")[0] for name in names} == {"railhil", f"railhil-{built.version}.dist-info"}
     assert {"railhil/py.typed", "railhil/bus/store.py", "railhil/dbc/railhil.dbc"} <= names.keys()
     ours = [name for name in names if not name.startswith(("railhil/testing/", "railhil/pytest_plugin.py"))]
     assert not [name for name in ours if "test" in name.lower() or "__pycache__" in name or "benchmark" in name]
@@ -130,6 +130,13 @@ def test_neighbours_still_work(installed: Environment) -> None:
 def test_run_gives_the_bytes_of_the_checkout(run_folder: Path, nominal: Result) -> None:
     certificate = json.loads((run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == nominal.frames_sha256
+
+
+def test_installation_says_the_commit_of_its_wheel(installed: Environment, run_folder: Path, built: Built) -> None:
+    """Also one from the source archive, which has no repository."""
+    assert json.loads((run_folder / "certificate.json").read_text())["railhil"] == built.version
+    assert installed.run("railhil", "--version") == f"railhil {built.version}\n"
+    assert built.wheel.name == built.wheel_of_sdist.name == f"railhil-{built.version}-py3-none-any.whl"
 
 
 def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: Result) -> None:

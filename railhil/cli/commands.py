@@ -106,9 +106,9 @@ class _Version(argparse.Action):
     """``--version``, looked up only on request."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        from importlib.metadata import version
+        from railhil.common.version import full_version
 
-        print(f"railhil {version('railhil')}")
+        print(f"railhil {full_version()}")
         parser.exit()
 
 

@@ -28,6 +28,7 @@ from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
+from railhil.common.version import full_version
 from railhil.dbc import wire_contract
 from railhil.live.doctor.machine import Finding, kernel_can, machine, tools
 from railhil.live.doctor.timing import measure_lateness, scheduling
@@ -74,7 +75,7 @@ def _bus_sentence(given: Mapping[str, Any], choice: BusChoice) -> str:
 def facts(given: Mapping[str, Any], choice: BusChoice) -> dict[str, str]:
     """Versions, and the bus that a command would choose."""
     return {
-        "railhil": f"{version('railhil')}, {railhil_build()}",
+        "railhil": f"{full_version()}, {railhil_build()}",
         "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
         "interfaces": ", ".join(sorted(can.VALID_INTERFACES)),

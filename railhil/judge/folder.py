@@ -17,6 +17,7 @@ from railhil.common.errors import describe_os_error
 from railhil.common.held_code import place_of
 from railhil.common.streams import escape_controls
 from railhil.common.user_files import RecordFailed, whole_file, write_synced
+from railhil.common.version import full_version
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.judge.events.summary import counts_said, explained, reactions, summary, why
@@ -67,7 +68,7 @@ def made_by(system: str, law: str, code: str) -> dict[str, str | None]:
     """
     maker = system_named(system)
     return {
-        "railhil": version("railhil"),
+        "railhil": full_version(),
         "code_sha256": code,
         # Hash of the package that provides the system, which need not be railhil.
         "system_sha256": maker.code_sha256(),
@@ -220,6 +221,7 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
     )
     properties = ET.SubElement(suite, "properties")
     for name, value in (
+        ("railhil", full_version()),
         ("scenario", spec.scenario),
         ("seed", spec.seed),
         ("verdict", result.verdict),

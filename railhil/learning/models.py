@@ -10,6 +10,7 @@ from typing import Any
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
+from railhil.common.version import full_version
 from railhil.controller_node.high_speed.model import pade_zoh
 from railhil.controller_node.high_speed.network import Network
 from railhil.controller_node.high_speed.training import (
@@ -109,7 +110,7 @@ def describe_training(record: Record, recipe: Recipe, period_s: float, models: T
     if recipe.kind == "bp":
         method = {"method": f"L-BFGS-B of scipy {version('scipy')}", "decay": BP_DECAY, "iterations": BP_ITERATIONS}
     return {
-        "railhil": version("railhil"),
+        "railhil": full_version(),
         "code_sha256": code_sha256(),
         "training_sha256": code_sha256(_OWN_CODE),
         "options": options,

@@ -11,7 +11,6 @@ import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +55,7 @@ def make_document(paper: Paper, results: Results, figures: Sequence[Figure] = ()
         "paper": paper.name,
         "title": paper.text.title,
         "source": paper.text.source,
-        "railhil": version("railhil"),
+        "railhil": results.railhil,
         "protocol": list(paper.text.protocol),
         "seeds": list(results.seeds),
         "runs": [
@@ -93,7 +92,8 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
 def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Figure]]:
     """The measured runs of a document made by :func:`make_document`, and its figures, both without their curves."""
     runs = {run["run"]: Measurement.from_json(run["run"], run) for run in found["runs"]}
-    return Results(tuple(found["seeds"]), runs), [Figure(**one, charts=()) for one in found["figures"]]
+    results = Results(tuple(found["seeds"]), runs, found["railhil"])
+    return results, [Figure(**one, charts=()) for one in found["figures"]]
 
 
 def render_parameters(paper: Paper, results: Results) -> dict[str, str]:
@@ -127,7 +127,7 @@ def _lines(paper: Paper, results: Results, figures: Sequence[Figure]) -> Iterato
     text = paper.text
     yield from (f"# {text.title}", "", f"{text.source}.", "")
     seeds = "" if results.seeds == text.seeds else f" --seeds {format_seeds(results.seeds, ',', '-')}"
-    yield f"Written by `railhil reproduce {paper.name}{seeds} --out DIR`, railhil {version('railhil')}; the same seeds"
+    yield f"Written by `railhil reproduce {paper.name}{seeds} --out DIR`, railhil {results.railhil}; the same seeds"
     yield from ("give the same page on every machine.", "", "## Protocol", "")
     yield from (f"* {sentence}" for sentence in text.protocol)
     yield f"* Seeds: {format_seeds(results.seeds, ', ', ' to ')}."

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -96,7 +95,7 @@ class _Work:
 
 
 def _identity(entry: Entry) -> dict[str, Any]:
-    return {"entry": entry.identity, "railhil": version("railhil"), "code_sha256": held_sha256(OURS)}
+    return {"entry": entry.identity, "code_sha256": held_sha256(OURS)}
 
 
 def _read(file: Path, entry: Entry) -> Measurement:

@@ -16,6 +16,7 @@ from statistics import fmean, median
 from typing import Any
 
 from railhil.charts.figure import Figure
+from railhil.common.version import full_version
 from railhil.report.deviations import Deviation
 from railhil.reproduce.comparison import OPEN, Line, Statement, Table, judge_parts
 from railhil.reproduce.experiments import Experiment, SingleRun
@@ -92,10 +93,14 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Results:
-    """The measured entries of a protocol by key, and the seeds with which they were made; not all need to be there."""
+    """The measured entries of a protocol by key, and the seeds with which they were made; not all need to be there.
+
+    :param railhil: the version that has measured them.
+    """
 
     seeds: tuple[int, ...]
     runs: Mapping[str, Measurement]
+    railhil: str = field(default_factory=full_version)
 
     def has(self, keys: Iterable[str]) -> bool:
         """Whether all these entries were made."""

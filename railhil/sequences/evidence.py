@@ -17,7 +17,6 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
@@ -25,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.user_files import given_json, write_synced
+from railhil.common.version import full_version
 from railhil.dbc import ContractError
 from railhil.judge.cross_check import check_folder
 from railhil.record.documents import CERTIFICATE, read_certificate
@@ -107,7 +107,7 @@ class Evidence:
         """Content of ``sequence.json``."""
         return {
             "format": _FORMAT,
-            "railhil": version("railhil"),
+            "railhil": full_version(),
             "runs": self.runs,
             "first": self.first.as_json(),
             "made": [one.model_dump() for one in self.made],

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
@@ -15,6 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 from railhil.common.build import machine
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
+from railhil.common.version import full_version
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
 from railhil.scenarios.scenario_documents import any_document
 from railhil.scenarios.validation import validate
@@ -91,7 +91,7 @@ def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:
     explanation."""
     return {
         "format": _FORMAT,
-        "railhil": version("railhil"),
+        "railhil": full_version(),
         study.kind: plan.identity,
         "request": asdict(plan.request),
         "scenario": any_document(plan.scenario),

@@ -6,7 +6,6 @@ import json
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
-from importlib.metadata import version
 
 from railhil.common.errors import InputError
 from railhil.dbc import Port
@@ -23,8 +22,6 @@ _ALLOWED = "date and time with its zone, 1990 to 2262, like 2026-11-22T18:42:55Z
 NO_START = datetime(2000, 1, 1, tzinfo=UTC)
 #: Column of the tables with the absolute time, if the run has a start.
 TIME_UTC = "time_utc"
-#: Name of the writing program inside the files.
-PROGRAM = f"railhil {version('railhil')}"
 
 
 @dataclass(frozen=True)

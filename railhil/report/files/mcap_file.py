@@ -12,8 +12,9 @@ import numpy.typing as npt
 from mcap.writer import CompressionType, Writer
 
 from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
+from railhil.common.version import full_version
 from railhil.dbc import DBC
-from railhil.report.files.content import PROGRAM, Content
+from railhil.report.files.content import Content
 
 #: Topic of the table of signals; the ports have theirs, ``/trn_speed``, below :data:`TELEGRAMS`.
 SIGNALS, TELEGRAMS = "/signals", "/telegrams"
@@ -29,7 +30,7 @@ def write_mcap(content: Content, path: Path) -> None:
     start_ns = content.start_ns
     with path.open("wb") as stream:
         writer = Writer(stream, compression=CompressionType.ZSTD)
-        writer.start(library=PROGRAM)
+        writer.start(library=f"railhil {full_version()}")
         writer.add_metadata(METADATA, content.facts)
         writer.add_attachment(start_ns, start_ns, DBC, "text/plain", content.dbc)
         topics = list(_topics(content))
