@@ -80,7 +80,7 @@ def test_the_help_of_a_command_of_several_shows_the_examples_of_all(here: Railhi
     text = here("new", "--help").out
     assert "\n  railhil new law " in text
     assert "\n  railhil new system " in text
-    assert "law, scenario, " in complaint(here("new"))
+    assert "law, line, " in complaint(here("new"))
 
 
 def test_the_interfaces_are_listed_by_doctor(here: Railhil) -> None:

@@ -9,7 +9,6 @@ import re
 import shutil
 import subprocess
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,18 +19,10 @@ from hil_tests.support.toy_system import install, railhil
 from hil_tests.support.warm import run_module
 from railhil import cli
 from railhil.dbc import house_contract, system_contract
-from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
-from railhil.scenarios.system import system_named
-from railhil.systems.ato.scenario.keys import USUAL
 
 #: The longest name that is allowed.
 LONG = "a_law_whose_name_is_as_long_as_it_may_be"
-
-
-def uncommented(text: str) -> str:
-    """The scenario with every key that it offers."""
-    return re.sub(r"^#(?=\w)", "", text, flags=re.MULTILINE)
 
 
 def run(*words: str | Path, cwd: Path, site: Path | None = None, **variables: str) -> None:
@@ -146,6 +137,10 @@ def test_names_of_distributions(here, tmp_path, kind, name, allowed):
             "--law: found 'vector_law', allowed another name: VectorLaw has another meaning",
         ),
         (("system", "mine", "--law", "My"), "--law: found 'My', allowed at most 40 small letters"),
+        (("line", "My line"), "NAME: found 'My line', allowed at most 80 small letters"),
+        (("line", "lvshun_tieshan"), "NAME: found 'lvshun_tieshan', allowed a name that no shipped scenario has"),
+        (("line", "mine", "--out", "mine"), "--out: found 'mine', allowed a file that ends in .toml"),
+        (("line", "mine", "--out", "broken.toml"), "broken.toml: exists already"),
         (("scenario", "My run"), "NAME: found 'My run', allowed at most 80 small letters"),
         (("scenario", "lvshun_tieshan"), "NAME: found 'lvshun_tieshan', allowed a name that no shipped scenario has"),
         (("scenario", "yizhuang_05"), "NAME: found 'yizhuang_05', allowed a name that no shipped scenario has"),
@@ -177,50 +172,6 @@ def test_a_failed_write_leaves_no_file(here, tmp_path, monkeypatch):
     where = "mysystem/src/mysystem/__init__.py"
     assert f"{where}: cannot be written: no space left on device" in said
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
-
-
-def test_a_scenario_with_all_its_keys_is_the_one_that_it_builds_upon(here, tmp_path):
-    for base in ("lvshun_tieshan", "yizhuang_05", "lvshun_tieshan_worn_wheels"):
-        path = tmp_path / f"on_{base}.toml"
-        assert here("new", "scenario", "myrun", "--extends", base, "--out", path).exit_code == 0
-        text = path.read_text(encoding="utf-8")
-        found, expected = load(path), load(base)
-        assert (found.name, found.title) == ("myrun", f"myrun, based on {expected.name}")
-        alike = replace(expected, name=found.name, title=found.title, sha256=found.sha256)
-        assert found == alike
-        path.write_text(uncommented(text), encoding="utf-8")
-        assert load(path) == alike
-        assert uncommented(text).count("\nstop_error_max_m = ") == 1
-        assert here("scenarios", path).exit_code == 0
-
-
-def test_a_scenario_explains_its_keys_as_the_reference_does(here, tmp_path):
-    here("new", "scenario", "myrun")
-    lines = (tmp_path / "myrun.toml").read_text(encoding="utf-8").splitlines()
-    known = {key.name: key for key in system_named("ato").scenario_kind.list_keys()}
-    assert set(USUAL) <= known.keys()
-    place = lines.index("#control_period_ms = 500")
-    key = known["timing.control_period_ms"]
-    assert lines[place - 1] == f"# {key.meaning} (in {key.unit}; default {key.default}; {key.allowed})"
-    assert "#wheel_factor = 1.0" in lines, "a default that no file says"
-    assert "# mass with its load (in t; no default; number from 1e-09 to 1e+07)" in lines
-    assert not [line for line in lines if line.startswith("#running_time_reserve_percent")]
-
-
-def test_a_scenario_may_build_upon_a_file_elsewhere(here, tmp_path):
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    assert here("new", "scenario", "one", "--out", "a/one.toml").exit_code == 0
-    assert here("new", "scenario", "two", "--extends", "a/one.toml", "--out", "b/two.toml").exit_code == 0
-    assert tomllib.loads((tmp_path / "b/two.toml").read_text())["extends"] == "../a/one.toml"
-    assert load(tmp_path / "b" / "two.toml").plan == load("lvshun_tieshan").plan
-
-
-def test_a_changed_key_that_is_wrong_is_named_with_its_file(here, tmp_path):
-    here("new", "scenario", "myrun")
-    path = tmp_path / "myrun.toml"
-    path.write_text(path.read_text().replace("#stop_error_max_m = 0.3", "stop_error_max_m = -1"))
-    assert complaint(here("scenarios", "myrun.toml")).startswith("railhil: myrun.toml: plan.stop_error_max_m: found -1")
 
 
 def test_the_ports_of_the_bench_come_from_its_own_table(made: Path) -> None:
@@ -378,6 +329,6 @@ def test_a_scenario_may_build_upon_one_of_a_plugged_in_system(made: Path, system
     text = path.read_text(encoding="utf-8")
     assert "# mass of the cart (in kg; no default; number above 0 to 1000)\n#mass_kg = 2.0\n" in text
     assert "# friction, proportional to speed (in N/(m/s); default 0; number from 0 to 1000)\n" in text
-    path.write_text(uncommented(text).replace("target_m = 2.0", "target_m = 3.0"), encoding="utf-8")
+    path.write_text(text.replace("#target_m = 2.0", "target_m = 3.0"), encoding="utf-8")
     done = railhil(system_site, "run", str(path), "--bus", "local", "--quiet", "--no-report", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -31,6 +31,7 @@ SUBCOMMANDS = (
     "doctor",
     "bus hub",
     "new law",
+    "new line",
     "new scenario",
     "new system",
 )
@@ -158,11 +159,12 @@ def test_campaign_of_a_few_runs(installed: Environment) -> None:
 @pytest.mark.long
 def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment) -> None:
     """Commands run beside the folders: none is taken for the module that has its name."""
-    for kind in ("law", "scenario", "system"):
+    for kind in ("law", "line", "scenario", "system"):
         assert installed.run("railhil", "new", kind, f"my{kind}").startswith(f"wrote my{kind}")
     for kind in ("law", "system"):
         installed.install_source(installed.folder / f"my{kind}", "-e")
     installed.run("railhil", "run", "myscenario.toml", "--controller", "mylaw", "--no-report", "--out", "my_run")
+    installed.run("railhil", "run", "myline.toml", "--controller", "ipfc_plus", "--no-report", "--out", "my_line_run")
     installed.run("railhil", "run", "mysystem/mysystem.toml", "--no-report", "--out", "my_system_run")
 
 

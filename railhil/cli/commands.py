@@ -17,7 +17,7 @@ from railhil.dbc import wire_contract
 #: Groups of commands in the help, with the line of each command.
 GROUPS: Mapping[str, Mapping[str, str]] = {
     "set up": {
-        "new": "write a law, a scenario, a controller or a system to start from",
+        "new": "write a line, law, scenario, controller or system to start from",
         "scenarios": "list the shipped scenarios, or check a file of yours",
         "doctor": "timing, interfaces and limits of this machine",
         "completion": "print a completion script for bash or zsh",

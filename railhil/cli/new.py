@@ -1,29 +1,21 @@
-"""``railhil new law|scenario|system|c-controller NAME``: writes starting files that run at once."""
+"""``railhil new line|scenario|law|system|c-controller NAME``: writes starting files that run at once."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import keyword
-import os
 import re
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from shlex import quote
 from string import Template
-from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
-from railhil.common.command_line import USUAL_SCENARIO
+from railhil.cli.new_scenario import line_file, scenario_file
+from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
-from railhil.scenarios.layers import Layers
-from railhil.scenarios.load import RUNS, find, load_any, names, short_names
-from railhil.scenarios.reference import Key
-from railhil.scenarios.schema import Name
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
@@ -68,6 +60,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=["railhil new law mylaw", "railhil new law mylaw --out laws/mylaw"],
     )
     _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)
+    line = kinds.add_parser(
+        "line",
+        help="a line and a train of your own, as a complete scenario file",
+        examples=["railhil new line myline"],
+    )
+    _add(line, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_line)
     scenario = kinds.add_parser(
         "scenario",
         help="a scenario file based on another one, with the usual keys",
@@ -143,13 +141,27 @@ def _new_controller(namespace: argparse.Namespace) -> int:
     return _say(namespace, folder, list(files), commands)
 
 
+def _new_line(namespace: argparse.Namespace) -> int:
+    return _scenario(namespace, lambda _: line_file(namespace.name), f" --controller {LAW_WITH_POSITION}")
+
+
 def _new_scenario(namespace: argparse.Namespace) -> int:
+    return _scenario(namespace, lambda folder: scenario_file(namespace.name, namespace.extends, folder))
+
+
+def _scenario(namespace: argparse.Namespace, text_in: Callable[[Path], str], options: str = "") -> int:
+    """Write a scenario file.
+
+    :param text_in: its text, for the folder in which it will be.
+    :param options: options of the command that is proposed for its first run.
+    :raises InputError: the file has another ending, exists already or cannot be written.
+    """
     path = namespace.out or Path(f"{namespace.name}.toml")
     if path.suffix != ".toml":
         raise InputError("command line", "--out", str(path), "a file that ends in .toml")
-    text = scenario_file(namespace.name, namespace.extends, path.parent)
-    _write({path: text})
-    return _say(namespace, path, [path], [f"railhil {verb} {quote(str(path))}" for verb in ("scenarios", "run")])
+    _write({path: text_in(path.parent)})
+    shown = quote(str(path))
+    return _say(namespace, path, [path], [f"railhil scenarios {shown}", f"railhil run {shown}{options}"])
 
 
 def _check_name(key: str, name: str) -> None:
@@ -229,71 +241,3 @@ def _say(namespace: argparse.Namespace, made: Path, files: list[Path], commands:
     for number, line in enumerate(commands):
         console.say(f"{'next:' if number == 0 else '     '} {line}")
     return 0
-
-
-_TEMPLATE = Path(__file__).with_name("templates") / "scenario.toml.in"
-#: Longer values (tables of rows) are left out; they can be found in the base scenario.
-_LETTERS_MAX = 80
-
-
-def scenario_file(name: str, base: str, folder: Path) -> str:
-    """The text of a new scenario file.
-
-    :param base: the scenario on which it is based, shipped name or file.
-    :param folder: folder of the new file; a path to the base is relative to it.
-    :raises InputError: the name is invalid or taken, or the base scenario cannot be loaded.
-    """
-    try:
-        TypeAdapter(Name).validate_python(name)
-    except ValidationError:
-        allowed = "at most 80 small letters, digits, _ and -, a letter or a digit first"
-        raise InputError("command line", "NAME", name, allowed) from None
-    if name in {*names(), *short_names().values()}:
-        raise InputError("command line", "NAME", name, "a name that no shipped scenario has")
-    path, scenario = find(base), load_any(base)
-    shipped = path.parent == RUNS
-    reference = path.stem if shipped else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-    head = Template(_TEMPLATE.read_text("utf-8"))
-    text = head.substitute(name=name, base=scenario.name, extends=json.dumps(reference, ensure_ascii=False))
-    kind = scenario.installed_system.scenario_kind
-    return text + _keys(kind.usual_keys(), Layers(path).merge())
-
-
-def _keys(usual: list[Key], given: dict[str, Any]) -> str:
-    """The keys as comments, section by section."""
-    sections: dict[str, list[str]] = {}
-    for key in usual:
-        section, _, last = key.name.rpartition(".")
-        value = _value(given, key)
-        if value:
-            sections.setdefault(section, []).append(f"# {_explained(key)}\n#{last} = {value}\n")
-    # An empty table would lack its required keys where the base has no such table.
-    marks = {section: "" if _has(given, section) else "#" for section in sections}
-    return "".join(f"\n{marks[section]}[{section}]\n{''.join(lines)}" for section, lines in sections.items())
-
-
-def _has(given: dict[str, Any], section: str) -> bool:
-    """Whether a table has a section; those of the top level may always be begun."""
-    found: Any = given
-    for word in section.split("."):
-        found = found.get(word) if isinstance(found, dict) else None
-    return found is not None or "." not in section
-
-
-def _value(given: dict[str, Any], key: Key) -> str:
-    """The value of a key in the base scenario, or its default, as TOML; empty if there is neither, and for a table."""
-    found: Any = given
-    for word in key.name.split("."):
-        found = found.get(word) if isinstance(found, dict) else None
-    found = key.initial if found is None else found
-    if found is None or isinstance(found, dict) or "[]" in key.name:
-        return ""
-    text = json.dumps(found, ensure_ascii=False)
-    return text if len(text) <= _LETTERS_MAX else ""
-
-
-def _explained(key: Key) -> str:
-    """The meaning of a key, with unit, default and allowed values."""
-    unit = "" if key.unit == "-" else f"in {key.unit}; "
-    default = "no default" if key.default in ("-", "required") else f"default {key.default}"
-    return f"{key.meaning or key.name} ({unit}{default}; {key.allowed})"

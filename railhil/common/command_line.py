@@ -24,6 +24,8 @@ PACES = ("lockstep", "realtime")
 BUSES = ("auto", "local")
 #: Default scenario and law of a run.
 USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
+#: The shipped law that knows the train's position, and so stops any train exactly: for first runs and as advice.
+LAW_WITH_POSITION = "ipfc_plus"
 
 
 #: Seeds travel as 32 bit in the handshake.

@@ -135,7 +135,7 @@ def test_a_missing_key_names_the_table_that_should_have_it(tmp_path: Path) -> No
     path.write_text('schema_version = 1\nname = "mine"\ntitle = "t"\n[train]\nmass_t = 3\n', encoding="utf-8")
     assert one_line(path) == (
         f"{path}: train.name, train.length_m, train.davis, train.traction, train.brake, train.actuator_pole_per_s, "
-        "line, target, plan, sensors, energy: missing, expected values: the keys are required"
+        "line, target, plan: missing, expected values: the keys are required"
     )
     path.write_text(HEAD + "[[line.balises]]\nnumber = 1\n", encoding="utf-8")
     assert one_line(path) == f"{path}: line.balises[0].surveyed_m: missing, expected a value: the key is required"
@@ -155,7 +155,7 @@ def test_a_missing_key_names_the_table_that_should_have_it(tmp_path: Path) -> No
         ('extends = "nix"\n', "lvshun_tieshan, lvshun_tieshan_worn_wheels"),
         ('extends = "nix.toml"\n', "a file that exists"),
         ("extends = 3\n", "shipped name"),
-        ("", "schema_version, name, title, train, line, target, plan, sensors, energy: missing"),
+        ("", "schema_version, name, title, train, line, target, plan: missing"),
     ],
 )
 def test_files_that_are_no_scenario(text: str, words: str, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import text_beside_limit
 from railhil.controller_node.ato.laws import ORDER
 from railhil.judge.counters import unchecked, unreconciled
@@ -23,8 +24,6 @@ from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
 
-#: The shipped law that knows the train's position.
-_WITH_POSITION = "ipfc_plus"
 #: Columns of ``signals.csv``: header and its signal.
 COLUMNS = (
     ("true_position_m", SimTruth.PORT, "TruePos"),
@@ -126,11 +125,11 @@ def advice(run: Record, folder: Path) -> str:
     if any(text.startswith(WRAP_FAILURE) for text in run.score.failures):
         return f"next: railhil audit {name} --controller {run.controller} says which quantity wraps"
     only_errors = all(text.startswith(("stop error", "time error")) for text in run.score.failures)
-    if not only_errors or run.controller == _WITH_POSITION or certificate.get("indexing") != "time":
+    if not only_errors or run.controller == LAW_WITH_POSITION or certificate.get("indexing") != "time":
         return ""
     steps = []
-    if _WITH_POSITION in scenario.installed_system.law_names():
-        steps.append(f"the same with --controller {_WITH_POSITION}, which knows its position")
+    if LAW_WITH_POSITION in scenario.installed_system.law_names():
+        steps.append(f"the same with --controller {LAW_WITH_POSITION}, which knows its position")
     if run.controller in ORDER and not certificate.get("parameters"):
         steps.append(f"railhil tune {run.controller} {name}, which searches its parameters")
     return f"next: {'; or '.join(steps)}" if steps else ""

@@ -169,18 +169,18 @@ class PlanTable(Table):
 class SensorsTable(Table):
     """Axle speed sensor and odometer."""
 
-    speed_lsb_kmh: Positive
+    speed_lsb_kmh: Positive = 0.01
     speed_noise_sigma_kmh: NotNegative = 0.0
-    odometer_lsb_m: Positive
+    odometer_lsb_m: Positive = 0.01
     wheel_factor: Annotated[float, Field(gt=0.5, lt=2.0)] = 1.0
 
 
 class EnergyTable(Table):
-    """Coefficients of eq. (5) of the IPFC paper."""
+    """Coefficients of eq. (5) of the IPFC paper, which does not print them: the defaults are chosen."""
 
-    xi_m: Annotated[float, Field(gt=0, le=1)]
-    xi_b: Number
-    auxiliary_power_kw: NotNegative
+    xi_m: Annotated[float, Field(gt=0, le=1)] = 0.88
+    xi_b: Number = 0.0
+    auxiliary_power_kw: NotNegative = 40.0
 
 
 class WatchTable(Table):
@@ -260,8 +260,8 @@ class ScenarioFile(Table):
     target: TargetTable
     plan: PlanTable
     timing: TimingTable = TimingTable()
-    sensors: SensorsTable
-    energy: EnergyTable
+    sensors: SensorsTable = SensorsTable()
+    energy: EnergyTable = EnergyTable()
     watch: WatchTable = WatchTable()
     safety: SafetyTable = SafetyTable()
     perturbations: PerturbationsTable = PerturbationsTable()

@@ -1,0 +1,102 @@
+"""The texts of new scenario files: a complete one with a line and a train, and one that is based on another."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from railhil.common.errors import InputError
+from railhil.scenarios.layers import Layers
+from railhil.scenarios.load import RUNS, find, load_any, names, short_names
+from railhil.scenarios.reference import Key
+from railhil.scenarios.schema import Name
+
+_TEMPLATES = Path(__file__).with_name("templates")
+#: Longer values (tables of rows) are left out; they can be found in the base scenario.
+_LETTERS_MAX = 80
+
+
+def line_file(name: str) -> str:
+    """The text of a complete scenario with a line and a train of its own.
+
+    :raises InputError: the name is invalid or taken.
+    """
+    _check_name(name)
+    return _fill("line.toml.in", name=name)
+
+
+def scenario_file(name: str, base: str, folder: Path) -> str:
+    """The text of a new scenario file.
+
+    :param base: the scenario on which it is based, shipped name or file.
+    :param folder: folder of the new file; a path to the base is relative to it.
+    :raises InputError: the name is invalid or taken, or the base scenario cannot be loaded.
+    """
+    _check_name(name)
+    path, scenario = find(base), load_any(base)
+    shipped = path.parent == RUNS
+    reference = path.stem if shipped else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    extends = json.dumps(reference, ensure_ascii=False)
+    text = _fill("scenario.toml.in", name=name, base=scenario.name, extends=extends)
+    kind = scenario.installed_system.scenario_kind
+    return text + _keys(kind.usual_keys(), Layers(path).merge())
+
+
+def _check_name(name: str) -> None:
+    """Refuse what a scenario cannot have as its name, and the name of a shipped scenario."""
+    try:
+        TypeAdapter(Name).validate_python(name)
+    except ValidationError:
+        allowed = "at most 80 small letters, digits, _ and -, a letter or a digit first"
+        raise InputError("command line", "NAME", name, allowed) from None
+    if name in {*names(), *short_names().values()}:
+        raise InputError("command line", "NAME", name, "a name that no shipped scenario has")
+
+
+def _fill(template: str, **words: str) -> str:
+    return Template((_TEMPLATES / template).read_text("utf-8")).substitute(words)
+
+
+def _keys(usual: list[Key], given: dict[str, Any]) -> str:
+    """The keys as comments, section by section."""
+    sections: dict[str, list[str]] = {}
+    for key in usual:
+        section, _, last = key.name.rpartition(".")
+        value = _value(given, key)
+        if value:
+            sections.setdefault(section, []).append(f"# {_explained(key)}\n#{last} = {value}\n")
+    # An empty table would lack its required keys where the base has no such table.
+    marks = {section: "" if _has(given, section) else "#" for section in sections}
+    return "".join(f"\n{marks[section]}[{section}]\n{''.join(lines)}" for section, lines in sections.items())
+
+
+def _has(given: dict[str, Any], section: str) -> bool:
+    """Whether a table has a section; those of the top level may always be begun."""
+    found: Any = given
+    for word in section.split("."):
+        found = found.get(word) if isinstance(found, dict) else None
+    return found is not None or "." not in section
+
+
+def _value(given: dict[str, Any], key: Key) -> str:
+    """The value of a key in the base scenario, or its default, as TOML; empty if there is neither, and for a table."""
+    found: Any = given
+    for word in key.name.split("."):
+        found = found.get(word) if isinstance(found, dict) else None
+    found = key.initial if found is None else found
+    if found is None or isinstance(found, dict) or "[]" in key.name:
+        return ""
+    text = json.dumps(found, ensure_ascii=False)
+    return text if len(text) <= _LETTERS_MAX else ""
+
+
+def _explained(key: Key) -> str:
+    """The meaning of a key, with unit, default and allowed values."""
+    unit = "" if key.unit == "-" else f"in {key.unit}; "
+    default = "no default" if key.default in ("-", "required") else f"default {key.default}"
+    return f"{key.meaning or key.name} ({unit}{default}; {key.allowed})"
