@@ -27,7 +27,7 @@ VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pa
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
 # `make help` lists what people use. The others are parts of it, which hosted CI calls one by one.
-PEOPLE = run test test-fast test-long lint docs release dbc lock install clean help
+PEOPLE = run test test-fast test-long lint docs figures release dbc lock install clean help
 .PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 locked
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
@@ -126,9 +126,13 @@ release: test  ## all tests, mutants and the wheel; hours
 	@$(BIN)/python -m hil_tests.mutation
 	@$(BIN)/python -m hil_tests.wheels
 
+# The pages of docs and those made from the code, to be opened without a network: build/site/index.html.
+docs: $(VENV)/.installed-dev  ## the site of the documentation, in build/site
+	@$(BIN)/python -m hil_tests.documents.site $(ARGS)
+
 # Outputs of commands, and the figures in tables and text, into README.md and the pages of docs (hil_tests/documents); long.
 # ARGS="docs/reference/laws.md", ARGS=--quick: a page, or without what `make test-long` checks.
-docs: $(VENV)/.installed-dev  ## what commands print, and figures, into the pages
+figures: $(VENV)/.installed-dev  ## what commands print, and figures, into the pages
 	@$(BIN)/python -m hil_tests.documents $(ARGS)
 
 dbc: $(VENV)/.installed  ## dbc/railhil.dbc from the port table

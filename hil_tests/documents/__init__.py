@@ -22,6 +22,6 @@ A fenced block that does not say what it is fails a test; so does a table with a
 in README.md a paragraph with one, that has no comment.
 
 A figures function of a table returns its rows; that of a paragraph returns pieces of its text, in which the numbers are
-right: they are looked for where the rest of the piece stands. ``python -m hil_tests.documents`` (``make docs``)
+right: they are looked for where the rest of the piece stands. ``python -m hil_tests.documents`` (``make figures``)
 writes what was found into the pages.
 """

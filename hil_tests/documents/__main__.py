@@ -1,4 +1,4 @@
-"""``python -m hil_tests.documents [PAGE...]`` (``make docs``): brings commands' output and figures up to date.
+"""``python -m hil_tests.documents [PAGE...]`` (``make figures``): brings commands' output and figures up to date.
 
 ``--quick`` leaves out what is long. What differs in words is printed, and has to be written by hand; exit code 1 then.
 """

@@ -27,7 +27,7 @@ _WRITTEN = ("docs/reference/scenario_keys.md", "docs/reference/faults.md")
 def test_the_pages_say_what_is(group: Group) -> None:
     changes = group.changes()
     assert not changes, "\n".join(
-        [f"{group.page}: `make docs` writes", *(f"{one.number + 1}: {one.line}" for one in changes)]
+        [f"{group.page}: `make figures` writes", *(f"{one.number + 1}: {one.line}" for one in changes)]
     )
 
 
