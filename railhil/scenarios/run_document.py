@@ -79,7 +79,7 @@ ENVIRONMENT: Mapping[str, str] = {
 OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
-        *("PURE", "TRACEBACK", "COMPILED", "CACHE", "REQUIRE_ALL", "SAMPLE"),
+        *("PURE", "TRACEBACK", "COMPILED", "LABEL", "CACHE", "REQUIRE_ALL", "SAMPLE"),
         *("SEEDS", "RUNS", "NO_CONTROLLER", "TARGET"),
         *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
     )
