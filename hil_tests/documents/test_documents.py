@@ -61,6 +61,12 @@ def test_every_page_is_of_one_kind() -> None:
     assert places <= {"index.md", *FOLDERS, "examples", "reproduce"}
 
 
+def test_a_page_is_short_enough_to_be_read() -> None:
+    """Not so the pages in docs/reproduce: a command writes them, and they have every figure of a paper."""
+    most_octets = {page: 15_000 for page in PAGES if page != "README.md"} | {"CONTRIBUTING.md": 8_000}
+    assert [page for page, most in most_octets.items() if (ROOT / page).stat().st_size > most] == []
+
+
 def test_commands_and_figures_are_there() -> None:
     """The rule must not hold because no block is recognised as one."""
     kinds = [block.kind for block in blocks()]
