@@ -25,7 +25,7 @@ with (DATA / "expected" / "running_times.csv").open(encoding="utf-8", newline=""
 
 
 def railtoolkit(train: str, path: str) -> tuple[Train, Line, float]:
-    line = load_line(DATA / "paths" / f"{path}.yaml")
+    line = load_line(DATA / "paths" / f"{path}.yaml", train_length_m=0)
     stock = load_train(DATA / "trains" / f"{train}.yaml", actuator_pole_per_s=0.34, accel_per_notch_mps2=0.2)
     return stock, line.line, line.stops[-1].position_m
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from railhil.common.errors import Words
 from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model, schema
@@ -61,16 +63,26 @@ def train(table: schema.TrainTable | schema.ImportedTrainTable, refuse: Refuse) 
     )
 
 
-def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> tuple[model.Line, float | None]:
-    """The line of the run, and the length of the section if it was cut between two stops.
+@dataclass(frozen=True, slots=True)
+class RunLine:
+    """The line of a run: the length of its section if it was cut between two stops, and remarks about its file."""
+
+    line: model.Line
+    section_m: float | None
+    remarks: tuple[str, ...]
+
+
+def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunLine:
+    """The line of the run.
 
     Raises :class:`InputError` for contradictory or missing sources and for unknown stops.
     """
-    whole = _whole_line(table, refuse)
+    whole = _whole_line(table, train_length_m, refuse)
     if table.stops:
-        whole = StopLine(whole.line, tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
+        whole = replace(whole, stops=tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
+    remarks = (f"line: not used of its file: {', '.join(whole.left_out)}",) if whole.left_out else ()
     if table.from_stop is None and table.to_stop is None:
-        return whole.line, None
+        return RunLine(whole.line, None, remarks)
     here, there = (
         _find_stop(whole, key, choice, refuse)
         for key, choice in (("from_stop", table.from_stop), ("to_stop", table.to_stop))
@@ -78,7 +90,7 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> tupl
     if whole.stops[there].position_m <= whole.stops[here].position_m:
         raise refuse(("line", "to_stop"), table.to_stop, "a stop behind from_stop in the direction of running")
     section = whole.section(here, there, train_length_m, tuple(table.balises_before_stop_m))
-    return section, whole.stops[there].position_m - whole.stops[here].position_m
+    return RunLine(section, whole.stops[there].position_m - whole.stops[here].position_m, remarks)
 
 
 def _find_stop(whole: StopLine, key: str, choice: str | int | None, refuse: Refuse) -> int:
@@ -91,7 +103,7 @@ def _find_stop(whole: StopLine, key: str, choice: str | int | None, refuse: Refu
     raise refuse(("line", key), Words() if choice is None else choice, f"one of {allowed}")
 
 
-def _whole_line(table: schema.LineTable, refuse: Refuse) -> StopLine:
+def _whole_line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> StopLine:
     own = table.grade_permil is not None or table.speed_limit_kmh is not None
     sources = [
         word
@@ -110,7 +122,7 @@ def _whole_line(table: schema.LineTable, refuse: Refuse) -> StopLine:
         for balise in table.balises
     )
     if table.railtoolkit is not None:
-        found = railtoolkit.load_line(table.railtoolkit, path_id=table.path_id)
+        found = railtoolkit.load_line(table.railtoolkit, train_length_m=train_length_m, path_id=table.path_id)
     elif table.ttobench is not None:
         found = ttobench.load_line(table.ttobench)
     else:
@@ -120,7 +132,7 @@ def _whole_line(table: schema.LineTable, refuse: Refuse) -> StopLine:
         found = StopLine(model.Line(table.name, tuple(table.grade_permil), limits), ())
     lines = found.line
     named = model.Line(table.name or lines.name, lines.grade_permil, lines.speed_limit_mps, balises or lines.balises)
-    return StopLine(named, found.stops)
+    return replace(found, line=named)
 
 
 def plan(table: schema.PlanTable, running_time_s: float) -> model.RunPlan:

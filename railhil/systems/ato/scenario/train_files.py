@@ -31,6 +31,7 @@ class Parts:
     file: ScenarioFile
     train: model.Train
     line: model.Line
+    line_remarks: tuple[str, ...]
     refuse: Refuse
 
 
@@ -49,7 +50,8 @@ def _parts(layers: Layers) -> Parts:
     if path.parent == _RUNS and file.name != path.stem:
         raise refuse(("name",), file.name, f"{path.stem}, the name of the file")
     train = convert.train(file.train, refuse)
-    line, section_m = convert.line(file.line, train.length_m, refuse)
+    made = convert.line(file.line, train.length_m, refuse)
+    line, section_m = made.line, made.section_m
     check.check_tables(train, line, refuse)
     if section_m is not None and abs(section_m - file.plan.distance_m) > check.DISTANCE_TOLERANCE_M:
         raise refuse(("plan", "distance_m"), file.plan.distance_m, f"{section_m:g} m, the distance of the stops")
@@ -58,7 +60,7 @@ def _parts(layers: Layers) -> Parts:
     if behind and layers.place("line", "balises") <= layers.place("plan", "distance_m"):
         allowed = f"at most plan.distance_m = {file.plan.distance_m:g}: the run ends there"
         raise refuse(("line", "balises", behind[0], "surveyed_m"), line.balises[behind[0]].surveyed_m, allowed)
-    return Parts(file, train, line, refuse)
+    return Parts(file, train, line, made.remarks, refuse)
 
 
 def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]) -> model.Scenario:
@@ -85,7 +87,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
     check.check_periods(timing, watch, file.safety.sdt, contract, refuse)
     curve, running_time_s = _make_target(parts)
     target = check.make_target(curve, refuse)
-    assumptions = (*file.train.assumptions, *file.line.assumptions, *file.assumptions)
+    assumptions = (*file.train.assumptions, *file.line.assumptions, *parts.line_remarks, *file.assumptions)
     if behind := [balise.number for balise in parts.line.balises if balise.surveyed_m > file.plan.distance_m]:
         numbers = ", ".join(map(str, behind))
         assumptions = (*assumptions, f"balises that the run never passes, behind its stop: {numbers}")

@@ -1,7 +1,7 @@
-"""Paths and trains in the railtoolkit formats running-path and rolling-stock, version 2022.05 (YAML).
+"""Paths and trains in the railtoolkit formats: running-path 2022.05 and 2024.07, rolling-stock 2022.05 (YAML).
 
-Only this version: the formats of 2024 use objects instead of array rows and other keys, and are refused
-with one line.
+In running-path 2024.07 the rows are objects, and a section may leave out speed or resistance: it then has those of the
+section before it. Points of interest are named by ``label``, in later files of the same version by ``id``.
 
 Train resistance in permil of weight (Wende, Fahrdynamik des Schienenverkehrs, 2003, pp. 151-153; V in km/h):
 
@@ -21,20 +21,21 @@ from collections.abc import Callable
 from itertools import pairwise
 from math import fsum
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text, refuse_unreadable
-from railhil.scenarios.profiles import merge_profiles
+from railhil.scenarios.profiles import Profile, merge_profiles
 from railhil.scenarios.validation import Keys, validate
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Effort, Line, Train
 
-VERSION = "2022.05"
+#: Versions of each format that are read.
+VERSIONS = {"running-path": ("2022.05", "2024.07"), "rolling-stock": ("2022.05",)}
 GRAVITY_MPS2 = 9.80665
 _BRAKING_MPS2 = {"passenger": 0.375, "freight": 0.225}
 #: Head wind that Wende adds to the train's speed.
@@ -47,7 +48,36 @@ class _Foreign(BaseModel):
     model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
 
 
+class _Section(_Foreign):
+    """Speed or resistance that are not given (``model_fields_set``) are those of the section before."""
+
+    position: float
+    speed: _Positive = 0.0
+    resistance: float = 0.0
+
+
+class _Point(_Foreign):
+    position: float
+    label: Annotated[str, Field(validation_alias=AliasChoices("label", "id"))]
+    measure: Literal["front", "middle", "rear"]
+
+
 class _Path(_Foreign):
+    """A path of version 2024.07."""
+
+    id: str
+    description: str = ""
+    characteristic_sections: Annotated[list[_Section], Field(min_length=2)]
+    points_of_interest: list[_Point] = []
+
+
+class _PathFile(_Foreign):
+    paths: Annotated[list[_Path], Field(min_length=1)]
+
+
+class _RowPath(_Foreign):
+    """A path of version 2022.05."""
+
     name: str
     id: str
     characteristic_sections: Annotated[
@@ -55,9 +85,23 @@ class _Path(_Foreign):
     ]
     points_of_interest: list[Annotated[tuple[float, str, Literal["front", "rear"]], Strict(False)]] = []
 
+    def in_objects(self) -> _Path:
+        """The same path as one of version 2024.07."""
+        return _Path(
+            id=self.id,
+            description=self.name,
+            characteristic_sections=[
+                _Section(position=at_m, speed=limit_kmh, resistance=permil)
+                for at_m, limit_kmh, permil in self.characteristic_sections
+            ],
+            points_of_interest=[
+                _Point(position=at_m, label=label, measure=measure) for at_m, label, measure in self.points_of_interest
+            ],
+        )
 
-class _PathFile(_Foreign):
-    paths: Annotated[list[_Path], Field(min_length=1)]
+
+class _RowPathFile(_Foreign):
+    paths: Annotated[list[_RowPath], Field(min_length=1)]
 
 
 class _Vehicle(_Foreign):
@@ -83,37 +127,62 @@ class _Train(_Foreign):
     formation: Annotated[list[str], Field(min_length=1)]
 
 
+_Entry = TypeVar("_Entry", _Path, _RowPath, _Train)
+
+
 class _StockFile(_Foreign):
     trains: Annotated[list[_Train], Field(min_length=1)]
     vehicles: Annotated[list[_Vehicle], Field(min_length=1)]
 
 
-def load_line(file: str | Path, path_id: str | None = None) -> StopLine:
+def load_line(file: str | Path, *, train_length_m: float, path_id: str | None = None) -> StopLine:
     """A path as a line (its only one, or the one with ``path_id``), positions in m as in the file.
 
-    Stops are ``start``, ``end`` and the points of interest measured at the front of the train. The path resistance in
-    permil is used as the grade. Raises :class:`InputError`.
+    Stops are ``start``, ``end`` and the points of interest measured at the front or in the middle of a train of this
+    length. The path resistance in permil is used as the grade. Raises :class:`InputError`.
     """
     data = _read(file, "running-path")
     origin = _name_file(file)
-    path = _choose(file, "paths", validate(_PathFile, data, origin).paths, path_id)
-    rows = path.characteristic_sections
-    positions = [row[0] for row in rows]
+    if data["schema_version"] == "2022.05":
+        path = _choose(file, "paths", validate(_RowPathFile, data, origin).paths, path_id).in_objects()
+    else:
+        path = _choose(file, "paths", validate(_PathFile, data, origin).paths, path_id)
+    positions = [section.position for section in path.characteristic_sections]
     if any(later <= earlier for earlier, later in pairwise(positions)):
         raise InputError(file, f"paths {path.id} characteristic_sections", positions, "increasing positions")
-    points = [Stop(name, position_m) for position_m, name, end in path.points_of_interest if end == "front"]
+    limits, grades = _profiles(file, path)
+    ahead_m = {"front": 0.0, "middle": train_length_m / 2}
+    points = [
+        Stop(point.label, point.position + ahead_m[point.measure])
+        for point in path.points_of_interest
+        if point.measure in ahead_m
+    ]
     inner = [point for point in points if positions[0] < point.position_m < positions[-1]]
     stops = [
         Stop("start", positions[0]),
         *sorted(inner, key=lambda stop: stop.position_m),
         Stop("end", positions[-1]),
     ]
-    line = Line(
-        name=path.name,
-        grade_permil=merge_profiles(tuple((from_m, permil) for from_m, _, permil in rows)),
-        speed_limit_mps=merge_profiles(tuple((from_m, limit_kmh / 3.6) for from_m, limit_kmh, _ in rows)),
-    )
-    return StopLine(line, tuple(stops))
+    rest = len(path.points_of_interest) - len(inner)
+    left_out = (f"{rest} of the points of interest (measured at the rear, or outside the path)",) if rest else ()
+    return StopLine(Line(path.description or path.id, grades, limits), tuple(stops), left_out)
+
+
+def _profiles(file: str | Path, path: _Path) -> tuple[Profile, Profile]:
+    """Speed limits (m/s) and grades (permil); a path that gives no resistance is level up to its first one."""
+    limit_kmh = permil = 0.0
+    limits: list[tuple[float, float]] = []
+    grades: list[tuple[float, float]] = []
+    for row, section in enumerate(path.characteristic_sections):
+        if "speed" in section.model_fields_set:
+            limit_kmh = section.speed
+        elif row == 0:
+            raise InputError(file, f"paths {path.id} characteristic_sections[0].speed", Words(), "a speed at the start")
+        if "resistance" in section.model_fields_set:
+            permil = section.resistance
+        limits.append((section.position, limit_kmh / 3.6))
+        grades.append((section.position, permil))
+    return merge_profiles(tuple(limits)), merge_profiles(tuple(grades))
 
 
 def load_train(
@@ -207,7 +276,7 @@ def _traction(file: str | Path, train: _Train, vehicles: list[_Vehicle]) -> Effo
     return Effort(force_max_n=float(total_n.max()), curve=curve)
 
 
-def _choose(file: str | Path, key: str, entries: list[Any], wanted: str | None) -> Any:
+def _choose(file: str | Path, key: str, entries: list[_Entry], wanted: str | None) -> _Entry:
     ids = [entry.id for entry in entries]
     if wanted is None and len(entries) == 1:
         return entries[0]
@@ -234,8 +303,9 @@ def _read(file: str | Path, kind: str) -> dict[str, Any]:
     schema = f"https://railtoolkit.org/schema/{kind}.json"
     if data.get("schema") != schema:
         raise InputError(file, "schema", data.get("schema", Words()), schema)
-    if data.get("schema_version") != VERSION:
-        raise InputError(file, "schema_version", data.get("schema_version", Words()), f"only {VERSION!r}")
+    if data.get("schema_version") not in VERSIONS[kind]:
+        allowed = " or ".join(map(repr, VERSIONS[kind]))
+        raise InputError(file, "schema_version", data.get("schema_version", Words()), f"the text {allowed}")
     return data
 
 

@@ -23,10 +23,14 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class StopLine:
-    """A whole line in its own positions (m), with its stops in running order."""
+    """A whole line in its own positions (m), with its stops in running order.
+
+    ``left_out`` names what the file of the line has, but a run does not use.
+    """
 
     line: Line
     stops: tuple[Stop, ...]
+    left_out: tuple[str, ...] = ()
 
     def section(
         self,

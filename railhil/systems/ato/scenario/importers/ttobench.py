@@ -1,7 +1,8 @@
-"""Tracks in the TTOBench JSON format, library versions 1.1 and 1.2.
+"""Tracks in the TTOBench JSON format, library versions 1.1 to 1.5.
 
 D. Kouzoupis, I. Pendharkar, F. Corman, "TTOBench - an Open-Source Library for Train Trajectory Optimization",
-Operations Research Forum 4:67 (2023). Units are named in the file and must be m, km/h (or m/s) and permil.
+Operations Research Forum 4:67 (2023). Units are named in the file and must be m, km/h (or m/s) and permil. Curvatures,
+tunnels (from 1.4 on) and braking data for ETCS (from 1.5 on) are left out.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from railhil.scenarios.validation import validate
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine
 from railhil.systems.ato.scenario.model import Line
 
-VERSIONS = ("TTOBench v1.1", "TTOBench v1.2")
+VERSIONS = tuple(f"TTOBench v1.{minor}" for minor in range(1, 6))
+#: Fields of a track that change no run here.
+_LEFT_OUT = ("curvatures", "tunnels", "ETCS braking data")
 
 _Row = Annotated[tuple[float, float], Strict(False)]
 
@@ -71,7 +74,7 @@ _METRES = {"m": 1.0, "km": 1000.0}
 def load_line(file: str | Path) -> StopLine:
     """A track as a line in its own positions, with stops named ``stop 0``, ``stop 1``, ... in file order.
 
-    A track without gradients is level. Curves are left out. Raises :class:`InputError`.
+    A track without gradients is level. Raises :class:`InputError`.
     """
     data = _read(file)
     track = validate(_Track, data, lambda _: file)
@@ -92,7 +95,7 @@ def load_line(file: str | Path) -> StopLine:
         if limit_mps <= 0:
             raise InputError(file, f"speed limits.values[{row}]", track.limits.values[row], "a limit above 0")
     stops = tuple(Stop(f"stop {number}", position_m) for number, position_m in enumerate(stop_m))
-    return StopLine(Line(track.metadata.id, grade, limits), stops)
+    return StopLine(Line(track.metadata.id, grade, limits), stops, tuple(key for key in _LEFT_OUT if key in data))
 
 
 def _check_increasing(file: str | Path, key: str, positions: list[float]) -> None:
