@@ -31,11 +31,6 @@ def _digits(criterion: Criterion) -> int:
     return criterion.digits if criterion.statistics_digits is None else criterion.statistics_digits
 
 
-def _limit(criterion: Criterion, limit: float) -> str:
-    sign = "+-" if criterion.signed else "<= " if criterion.better == "low" else ">= "
-    return f"{sign}{limit:.10g} {criterion.unit}"
-
-
 def _limits(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> list[Criterion]:
     """The criteria whose limits the scenario has."""
     return [criterion for criterion in limited(criteria) if limit_key(criterion) in summary["limits"]]
@@ -65,7 +60,7 @@ def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
 def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
     criteria = _limits(summary, judging.criteria)
     limits = summary["limits"]
-    title = "Runs inside " + " and ".join(_limit(criterion, limits[limit_key(criterion)]) for criterion in criteria)
+    title = "Runs inside " + " and ".join(criterion.bound(limits[limit_key(criterion)]) for criterion in criteria)
     counts = {"not_stopped": "not\nstopped"} | {extra.counted: extra.heading for extra in judging.extras}
     counts |= {"runs_with_wraps": "with\nwraps"}
     counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}

@@ -24,9 +24,9 @@ _STYLES = """
   --rc-target: color-mix(in srgb, currentColor 38%, transparent);
   max-width: 912px; overflow-x: auto;
   .row { min-width: 0; flex-wrap: wrap; }
-  .chart { min-width: 300px; }
-  p { margin: .3rem 0; }
-  table { border-collapse: collapse; margin: .3rem 0; font-size: .9em; }
+  .chart { min-width: 420px; }
+  p { margin: .3rem 0; overflow-wrap: anywhere; }
+  table { border-collapse: collapse; margin: .3rem 0; font-size: .9em; color: inherit; }
   caption { text-align: left; font-weight: 600; caption-side: top; }
   th, td { padding: .15rem .6rem .15rem 0; text-align: left; white-space: nowrap; background: none; }
   thead th { border-bottom: 1px solid var(--rc-dim); }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 #: Significant digits that give a float exactly.
 _DIGITS_MAX = 17
 
@@ -38,6 +40,15 @@ def count_of(count: int, noun: str, nouns: str = "", spec: str = "") -> str:
     :param spec: format of the number.
     """
     return f"{count:{spec}} {noun if count == 1 else nouns or noun + 's'}"
+
+
+def rounded(values: Mapping[str, float | None]) -> str:
+    """Named figures for a reader.
+
+    >>> rounded({"stop_error_m": 0.006300000000010186, "late_s": None})
+    'stop_error_m=0.0063, late_s=None'
+    """
+    return ", ".join(f"{name}={value if value is None else format(value, '.6g')}" for name, value in values.items())
 
 
 def percent(share: float, digits: int = 2) -> str:

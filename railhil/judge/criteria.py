@@ -91,6 +91,11 @@ class Criterion:
         """A value formatted with its digits; ``-`` for none."""
         return "-" if value is None else f"{value:.{self.digits if digits is None else digits}f}"
 
+    def bound(self, limit: float) -> str:
+        """A limit with its unit and the side on which values are allowed."""
+        sign = "+-" if self.signed else "<= " if self.better == "low" else ">= "
+        return f"{sign}{limit:.10g} {self.unit}"
+
     def best(self, values: Sequence[float]) -> float:
         """The best of the values."""
         return min(values) if self.better == "low" else max(values)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
@@ -21,7 +21,6 @@ from railhil.common.version import full_version
 from railhil.judge.criteria import limited
 from railhil.judge.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.judge.events.summary import counts_said, explained, reactions, summary, why
-from railhil.judge.result import Result
 from railhil.judge.signals import write_signals
 from railhil.judge.training_seeds import seed_was_trained
 from railhil.record.blf_writer import write_blf
@@ -33,6 +32,9 @@ from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.run_spec import RunSpec, StartUp
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.judge.result import Result
 
 _CODE = (
     "common", "faults", "dbc", "bus", "scenarios", "plant_sim", "controller_node",

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.judge.criteria import Criterion, Extra, limited
 from railhil.judge.declared import Interlocks, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
 from railhil.record.notes import Status, interface_status
+from railhil.record.sampling import drawn_trace
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import UnknownScenario
+
+if TYPE_CHECKING:
+    from railhil.judge.record import Record
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,3 +136,17 @@ def judging_of(scenario: AnyScenario) -> Judging:
         watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
         judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, watches=watches)
     return judging
+
+
+def system_pictures(scenario: AnyScenario, runs: Sequence[Record]) -> list[Any]:
+    """The figures of the scenario's system, which gets the records with their gaps
+    (:class:`railhil.record.sampling.DrawnTrace`).
+
+    Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or a picture drawn
+    by the system itself (:class:`railhil.report.pictures.Picture`).
+    """
+    drawn = [
+        run.copy_with(trace=drawn_trace(run.scenario, run.trace), score=run.score, events=run.events) for run in runs
+    ]
+    found: list[Any] = scenario.installed_system.part("pictures")(scenario, drawn)
+    return found

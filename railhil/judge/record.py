@@ -58,6 +58,27 @@ class Record:
     #: The frames in the record's own time; None: the log has it.
     timed: Sequence[Timed] | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        """Verdict, scores and folder in a line."""
+        scores = self.score.in_words(self.judging.criteria) or self.line
+        return f"<{'; '.join(filter(None, (f'{self.verdict}: {self.title}', scores, self.place)))}>"
+
+    def _repr_html_(self) -> str:
+        from railhil.judge.notebook import run_html
+
+        return run_html(self)
+
+    @property
+    def title(self) -> str:
+        """Law, scenario and seed."""
+        seed = f", seed {self.certificate['seed']}" if "seed" in self.certificate else ""
+        return f"{self.label} on {self.scenario.name}{seed}"
+
+    @property
+    def place(self) -> str:
+        """The run folder as text; empty if there is no log, or no more."""
+        return str(self.folder) if self.log.is_file() else ""
+
     def copy_with(self, **values: Any) -> Record:
         """A copy with other values of its attributes, given also for those that are else derived from the record
         (``score``, ``events``, ``label``): a run that has just been made is judged already."""

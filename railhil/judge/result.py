@@ -23,6 +23,7 @@ from railhil.scenarios.run_spec import RunSpec
 
 if TYPE_CHECKING:
     from railhil.controller_node.arithmetic.base import Counters
+    from railhil.judge.record import Record
 
 #: Events of the law's arithmetic that are counted over a run.
 COUNTS = ("wraps", "saturations", "zero_divisions")
@@ -90,6 +91,21 @@ class Result:
     telemetry: dict[str, Any] = field(default_factory=dict, repr=False)
     #: A run without telegrams: event counters of the law's arithmetic over the whole run.
     arithmetic: Counters | None = None
+
+    def as_record(self) -> Record:
+        """The run for readers of records; its certificate has the description of the run alone."""
+        from railhil.judge.record import Record
+
+        folder = self.folder or Path()
+        found = Record(folder / LOG_NAME, self.scenario, self.trace, self.invalid, self.spec.as_json())
+        return found.copy_with(score=self.score, events=self.events)
+
+    def __repr__(self) -> str:
+        """Verdict and scores in a line."""
+        return repr(self.as_record())
+
+    def _repr_html_(self) -> str:
+        return self.as_record()._repr_html_()
 
     @property
     def judging(self) -> Judging:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from railhil.common.digits import rounded
 from railhil.judge.criteria import Criterion
 from railhil.judge.stops import ScoredStop
 
@@ -35,6 +36,20 @@ class Score:
     def with_sign(self, criterion: Criterion) -> float | None:
         """Value of a criterion, with its sign if it has one."""
         return self.values[criterion.key] if criterion.signed is None else self.signed[criterion.signed]
+
+    def in_words(self, criteria: Sequence[Criterion]) -> str:
+        """The values of some criteria with their units; empty if there are none."""
+        found = []
+        for criterion in criteria:
+            if (value := self.with_sign(criterion)) is not None:
+                sign = "+" if criterion.signed else ""
+                found.append(f"{criterion.title} {value:{sign}.{criterion.digits}f} {criterion.unit}")
+        return ", ".join(found)
+
+    def __repr__(self) -> str:
+        """Rounded: a table or an error message shows it."""
+        values = {**self.values, **self.signed, **self.extras}
+        return f"Score({', '.join((self.verdict, rounded(values), self.ended, *self.failures))})"
 
     def as_json(self) -> dict[str, object]:
         """The part of ``score.json`` that comes from the log alone."""

@@ -12,7 +12,6 @@ from railhil.charts.figure import FREE, TIME, Area, Bounds, Chart, Curve, Figure
 from railhil.judge.events.event import FAULT, LEVEL, START, RecordedEvent
 from railhil.judge.record import Record
 from railhil.judge.signals import drawn_table
-from railhil.record.sampling import drawn_trace
 from railhil.record.trace import Trace
 from railhil.report.display_columns import (
     ERROR,
@@ -29,7 +28,6 @@ from railhil.report.display_columns import (
 from railhil.report.display_columns import LEVEL as LEVEL_KIND
 from railhil.report.styles import Style
 from railhil.report.tables import event_rows, has_unusual
-from railhil.scenarios.model import AnyScenario
 
 #: Height of a chart, of one with the speed, and of each name of a value, px.
 _HEIGHT_PX, _SPEED_PX, _NAME_PX = 110, 190, 18
@@ -58,20 +56,6 @@ class RunColumns:
         is_step = column.kind in (STATE, LEVEL_KIND, NOTE) or column.name == self.shown.command
         values = self.values[column.name]
         return Curve(label, self.time_s, values, look, column.unit, is_step, run=self.number, column=column.name)
-
-
-def system_pictures(scenario: AnyScenario, runs: Sequence[Record]) -> list[Any]:
-    """The figures of the scenario's system, which gets the records with their gaps
-    (:class:`railhil.record.sampling.DrawnTrace`).
-
-    Each has ``name``, ``title``, ``caption`` and ``svg``: a :class:`railhil.charts.figure.Figure`, or a picture drawn
-    by the system itself (:class:`railhil.report.pictures.Picture`).
-    """
-    drawn = [
-        run.copy_with(trace=drawn_trace(run.scenario, run.trace), score=run.score, events=run.events) for run in runs
-    ]
-    found: list[Any] = scenario.installed_system.part("pictures")(scenario, drawn)
-    return found
 
 
 def columns_of(run: Record, number: int, style: Style) -> RunColumns:

@@ -12,12 +12,13 @@ from urllib.parse import quote
 import numpy as np
 
 from railhil.charts.figure import Figure
+from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.record.hash_list import REPORT, listed_file
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
-from railhil.report.over_time import RunColumns, columns_of, reactions, signals, system_pictures
+from railhil.report.over_time import RunColumns, columns_of, reactions, signals
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
 from railhil.report.tables import better_sentence, event_rows, has_unusual, rows

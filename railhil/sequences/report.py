@@ -11,9 +11,9 @@ import pyarrow as pa
 
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
+from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.record.hash_list import listed_file
-from railhil.report.over_time import system_pictures
 from railhil.report.templates import styles_text, template
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.sequences.one import through_nodes

@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from railhil.common.digits import rounded
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, LOST, REFUSED, RecordedEvent
 from railhil.library import Outcome, Signals
@@ -155,7 +156,7 @@ class Score:
         return sorted({*super().__dir__(), *self._values})
 
     def __repr__(self) -> str:
-        return f"Score({', '.join(f'{name}={value}' for name, value in self._values.items())})"
+        return f"Score({rounded(self._values)})"
 
 
 class Run:

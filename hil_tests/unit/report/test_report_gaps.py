@@ -20,12 +20,13 @@ from railhil.bench import local_run
 from railhil.charts.figure import TIME, Chart, Curve, Figure
 from railhil.charts.svg import markup
 from railhil.dbc import wire_contract
+from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.record.framelog import read_log
 from railhil.record.notes import ReportedNote
 from railhil.record.sampling import drawn_trace, holding_s
 from railhil.record.trace import Trace, trace_of
-from railhil.report.over_time import columns_of, signal_charts, signals, system_pictures
+from railhil.report.over_time import columns_of, signal_charts, signals
 from railhil.report.styles import Style
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario

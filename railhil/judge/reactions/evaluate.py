@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import text_beside_limit
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import Entry
-from railhil.judge.result import Result
+
+if TYPE_CHECKING:
+    from railhil.judge.result import Result
 
 VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
 #: Beginning of the sentence for a broken rule of every run (:mod:`railhil.systems.ato.judge.invariants`).
