@@ -31,9 +31,10 @@ PEOPLE = run test test-fast test-long lint docs figures release dbc lock install
 .PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 locked
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
+run: RUN_ARGS = $(strip $(or $(ARGS),--controller ipfc_plus))
 run: $(VENV)/.installed  ## a run of the published scenario, or of ARGS
-	@echo "railhil run $(strip $(ARGS)): plant, controller and supervisor, three processes on a bus"
-	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
+	@echo "railhil run $(RUN_ARGS): plant, controller and supervisor, three processes on a bus"
+	@$(BIN)/railhil run $(RUN_ARGS) || [ $$? -eq 1 ]
 
 # Lint and all tests but the long ones, with the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up
 # where this machine permits. Packages, kernels and images of the last parts are fetched and built from the beginning

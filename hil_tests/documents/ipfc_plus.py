@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import ablation, stopping
+from hil_tests.documents.all_laws import MANY
 from hil_tests.documents.figures import LVSHUN, WORN, batch, both, cycles, median, memory_words, p95, passed, row
 from hil_tests.documents.laws import YIZHUANG
-from hil_tests.documents.readme import MANY
 from hil_tests.loop.test_position_loop import Fault, changed, late, run_with, silent
 from hil_tests.unit.controller_node.ato.test_ipfc_plus import faulty
 from railhil.batch import Batch

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchmarks.published import alternating_run
+from hil_tests.documents.all_laws import NOISE
 from hil_tests.documents.figures import LVSHUN, batch, row
-from hil_tests.documents.readme import NOISE
 from railhil.batch.statistics import estimate
 from railhil.scenarios.load import load
 

@@ -1,4 +1,4 @@
-"""Figures of README.md."""
+"""Figures of docs/reference/all_laws.md."""
 
 from __future__ import annotations
 
