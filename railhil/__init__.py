@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from railhil.common.errors import InputError
-    from railhil.library import CampaignOutcome, Outcome, RecordedEvent, Signals, campaign, open_run, run
+    from railhil.library import (
+        CampaignOutcome,
+        Comparison,
+        Outcome,
+        RecordedEvent,
+        Signals,
+        campaign,
+        compare,
+        open_run,
+        run,
+    )
     from railhil.scenarios.load import load as load_scenario
     from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -29,17 +39,20 @@ if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
 #: Name -> module and name there. ``campaign`` and ``run`` are packages of these names, which can be called.
 _PLACES = {
     "CampaignOutcome": ("railhil.library", "CampaignOutcome"),
+    "Comparison": ("railhil.library", "Comparison"),
     "InputError": ("railhil.common.errors", "InputError"),
     "LawSpec": ("railhil.scenarios.run_spec", "LawSpec"),
     "Outcome": ("railhil.library", "Outcome"),
     "RecordedEvent": ("railhil.library", "RecordedEvent"),
     "RunSpec": ("railhil.scenarios.run_spec", "RunSpec"),
     "Signals": ("railhil.library", "Signals"),
+    "compare": ("railhil.library", "compare"),
     "load_scenario": ("railhil.scenarios.load", "load"),
     "open_run": ("railhil.library", "open_run"),
 }
 __all__ = [
     "CampaignOutcome",
+    "Comparison",
     "InputError",
     "LawSpec",
     "Outcome",
@@ -47,6 +60,7 @@ __all__ = [
     "RunSpec",
     "Signals",
     "campaign",
+    "compare",
     "load_scenario",
     "open_run",
     "run",

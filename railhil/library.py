@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,18 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from railhil.charts.notebook import html_cell, html_paragraph, html_table, text_table
 from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 from railhil.judge.criteria import Criterion
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.judging import Judging
+from railhil.judge.notebook import chart_html
 from railhil.judge.record import Record, checked_record
 from railhil.judge.signals import Signals
 from railhil.record.hash_list import check_hash_list
+from railhil.report.recorded import check_one_scenario, distinct_labels
+from railhil.report.tables import better_sentence, rows
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
 from railhil.run.spec import (
@@ -41,7 +45,18 @@ from railhil.scenarios.given import NamedCode
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.run_spec import RunSpec, StartUp
 
-__all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
+__all__ = [
+    "CampaignOutcome",
+    "Comparison",
+    "NeverBegan",
+    "Outcome",
+    "RecordedEvent",
+    "Signals",
+    "campaign",
+    "compare",
+    "open_run",
+    "run",
+]
 
 
 #: One recorded run, as this library calls it.
@@ -124,13 +139,81 @@ def open_run(folder: str | Path) -> Outcome:
 
 
 @dataclass(frozen=True)
+class Comparison:
+    """Runs of one scenario beside each other, each with its label."""
+
+    runs: tuple[Outcome, ...]
+
+    @property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """The criteria by which the runs are judged."""
+        return self.runs[0].judging.criteria
+
+    def to_pandas(self) -> Any:
+        """Scores without sign and verdicts as a ``pandas.DataFrame``, a row for each label.
+
+        :raises ModuleNotFoundError: pandas is not installed.
+        """
+        import pandas
+
+        rows = [{**run.scores, "verdict": run.verdict} for run in self.runs]
+        return pandas.DataFrame(rows, index=pandas.Index([run.label for run in self.runs], name="run"))
+
+    def __repr__(self) -> str:
+        return text_table(self.runs[0].scenario.name, self._heads, self._rows())
+
+    def _repr_html_(self) -> str:
+        numbers = range(2, 2 + len(self.criteria))
+        table = html_table(self.runs[0].scenario.name, self._heads, self._rows(), numbers)
+        return html_cell(table, html_paragraph(better_sentence(self.criteria)), chart_html(self.runs))
+
+    @property
+    def _heads(self) -> list[str]:
+        return ["run", "verdict", *(f"{one.title} ({one.unit_typeset})" for one in self.criteria)]
+
+    def _rows(self) -> list[list[str]]:
+        """The runs, and the published scores of laws that are not among them; a missed limit has a cross."""
+        found = []
+        for row in rows(self.runs[0].scenario, self.criteria, self.runs):
+            values = [f"{'✗ ' * cell.missed}{cell.measured or cell.published}" for cell in row.cells]
+            found.append([row.label if row.verdict else f"{row.label} (published)", row.verdict, *values])
+        return found
+
+
+def compare(runs: Sequence[Outcome | str | Path]) -> Comparison:
+    """Runs of one scenario beside each other, as in the report of ``railhil compare``.
+
+    :param runs: results of :func:`run` or :func:`open_run`, or run folders.
+    :raises InputError: there is none, a folder has no record, or two are of different scenarios.
+    """
+    if not runs:
+        raise InputError("railhil.compare", "runs", Words("empty"), "one run or several")
+    records = [run if isinstance(run, Record) else open_run(run) for run in runs]
+    check_one_scenario(records)
+    labels = distinct_labels(records)
+    return Comparison(tuple(run.copy_with(label=label) for run, label in zip(records, labels, strict=True)))
+
+
+@dataclass(frozen=True)
 class CampaignOutcome:
     """A finished campaign: ``summary`` is the content of its ``summary.json``."""
 
     folder: Path
-    summary: Mapping[str, Any] = field(repr=False)
+    summary: Mapping[str, Any]
     #: The part of its system that judges runs.
-    judging: Judging = field(repr=False)
+    judging: Judging
+
+    def __repr__(self) -> str:
+        from railhil.campaign.show import headline, passed
+
+        return f"<{headline(self.summary)}: {passed(self.summary)}; {self.folder}>"
+
+    def _repr_html_(self) -> str:
+        from railhil.campaign.distributions import distributions
+        from railhil.campaign.show import cell_html
+
+        figure = distributions(self.summary, self.criteria, self._results)
+        return cell_html(self.summary, self.judging, figure, self.folder)
 
     @property
     def criteria(self) -> tuple[Criterion, ...]:
@@ -159,7 +242,8 @@ class CampaignOutcome:
         from railhil.campaign.rows import rows_of
 
         if law not in self.laws:
-            raise KeyError(law)
+            hint = did_you_mean(law, self.laws)
+            raise KeyError(" ".join(filter(None, (f"no law {law!r};", hint, f"laws: {', '.join(self.laws)}"))))
         rows = rows_of(self._results, law)
         return {name: np.asarray(rows[name].to_numpy(zero_copy_only=False)) for name in rows.column_names}
 

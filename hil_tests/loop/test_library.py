@@ -50,7 +50,7 @@ def test_every_name_is_there_and_typed() -> None:
     assert {name for name in dir(railhil) if not name.startswith("__")} == set(railhil.__all__)
 
 
-@pytest.mark.parametrize("name", ["run", "open_run", "campaign"])
+@pytest.mark.parametrize("name", ["run", "open_run", "compare", "campaign"])
 def test_a_function_says_how_it_is_called(name: str) -> None:
     """Also those whose name a package has: ``inspect.signature``, ``help`` and notebooks see the function."""
     called, function = getattr(railhil, name), getattr(library, name)

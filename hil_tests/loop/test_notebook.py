@@ -10,6 +10,8 @@ import pytest
 
 import railhil
 from benchmarks.figures import QUICK_TOML
+from railhil.batch.case import Case
+from railhil.batch.nodes import run_nodes
 from railhil.bench import direct_run
 
 #: Luminance contrast of what is no text (WCAG 2.2, 1.4.11), and grounds of notebooks.
@@ -96,6 +98,62 @@ def test_signals_are_a_table(outcome: railhil.Outcome) -> None:
 
 def test_a_moved_folder_is_not_named(outcome: railhil.Outcome, tmp_path: Path) -> None:
     assert outcome.copy_with(log=tmp_path / "frames.log").place == ""
+
+
+def test_runs_are_compared_with_the_marks_of_the_report(outcome: railhil.Outcome, tmp_path: Path) -> None:
+    other = railhil.run(outcome.spec.scenario, seed=4, out=tmp_path / "other")
+    found = railhil.compare([outcome, tmp_path / "other"])
+    assert [run.label for run in found.runs] == ["ipfc seed 3", "ipfc seed 4"]
+    tree = block(found._repr_html_())
+    heads, *lines = rows(tree)
+    assert len(heads) == 2 + len(found.criteria)
+    assert [line[:2] for line in lines[:2]] == [[run.label, run.verdict] for run in found.runs]
+    for run, line in zip((outcome, other), lines, strict=False):
+        values = [run.scores[criterion.key] for criterion in found.criteria]
+        for value, text, one in zip(values, line[2:], found.criteria, strict=True):
+            assert float(text.removeprefix("✗ ")) == pytest.approx(value, abs=10.0**-one.digits)
+    assert [one.get("role") for one in tree.iter("svg")].count("img") == 1
+    assert all(text in repr(found) for line in lines for text in line)
+    pytest.importorskip("pandas", reason="MISSING CAPABILITY pandas")
+    assert found.to_pandas().loc["ipfc seed 4", "itae"] == other.scores["itae"]
+
+
+def test_runs_of_two_scenarios_are_not_compared(outcome: railhil.Outcome, tmp_path: Path) -> None:
+    other = railhil.run(outcome.spec.scenario, settings="plan.stop_error_max_m=0.1", out=tmp_path / "other")
+    with pytest.raises(railhil.InputError, match=r"scenario: found .* as in "):
+        railhil.compare([outcome, other])
+    with pytest.raises(railhil.InputError, match=r"runs: empty, expected one run"):
+        railhil.compare([])
+
+
+@pytest.mark.slow
+def test_a_campaign_shows_the_tables_of_the_terminal_and_the_distributions(
+    outcome: railhil.Outcome, tmp_path: Path
+) -> None:
+    found = railhil.campaign(outcome.spec.scenario, laws=["ipfc", "ipfc_plus"], runs=3, out=tmp_path / "campaign")
+    assert re.fullmatch(
+        r"<3 perturbed runs of .*: ipfc PASS [\d.]+%, ipfc_plus PASS [\d.]+%; .*/campaign>", repr(found)
+    )
+    tree = block(found._repr_html_())
+    tables = ["".join(one.itertext()) for one in tree.iter("caption")]
+    assert tables[0] == "Scores"
+    assert tables[-1] == "Against ipfc, run by run on the same seeds"
+    charts = [one for one in tree.iter("svg") if one.get("role") == "img"]
+    assert len(charts) == len(found.criteria)
+    median = next(row for row in rows(tree) if row[1:3] == ["time error", "s"])[3]
+    assert float(median) == pytest.approx(sorted(found.runs("ipfc")["punctuality_s"])[1], abs=1e-3)
+    with pytest.raises(KeyError, match="did you mean ipfc_plus"):
+        found.runs("ipfc_pls")
+
+
+def test_a_batch_shows_its_verdicts_and_the_range_of_each_score(outcome: railhil.Outcome) -> None:
+    batch = run_nodes(Case(outcome.scenario, outcome.spec.law), [1, 2, 3])
+    assert repr(batch).startswith(f"3 runs: {batch.verdicts[0]}")
+    heads, *lines = rows(block(batch._repr_html_()))
+    assert heads == ["score", "least", "median", "most"]
+    assert [line[0] for line in lines] == [f"{one.title} ({one.unit_typeset})" for one in outcome.judging.criteria]
+    for line, values in zip(lines, batch.values.values(), strict=True):
+        assert [float(text) for text in line[1:]] == pytest.approx(sorted(values), rel=1e-5)
 
 
 def luminance(colour: str) -> float:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.charts.notebook import html_cell, html_table, text_table
+from railhil.common.digits import count_of
 from railhil.judge.judging import judging_of
 from railhil.judge.result import COUNTS, Result
 from railhil.judge.score import Score
@@ -117,6 +120,31 @@ class Batch:
     zero_divisions: Ints
     digest: tuple[str, ...]
     commands: tuple[NDArray[np.int16], ...] | None = None
+    #: Title and unit of each of ``values``.
+    titles: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return text_table(self._headline, self._heads, self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_cell(html_table(self._headline, self._heads, self._rows(), numbers=(1, 2, 3)))
+
+    _heads: ClassVar = ("score", "least", "median", "most")
+
+    @property
+    def _headline(self) -> str:
+        counts = Counter(self.verdicts)
+        said = ", ".join(f"{verdict} {counts[verdict]}" for verdict in sorted(counts, reverse=True))
+        return f"{count_of(len(self.seed), 'run')}: {said}"
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Title, least value, median and greatest value of each score, of the runs that have one."""
+        found = []
+        for key, values in self.values.items():
+            known = values[np.isfinite(values)]
+            figures = (known.min(), np.median(known), known.max()) if known.size else ()
+            found.append((self.titles.get(key, key), *(f"{value:.6g}" for value in figures)))
+        return [row if len(row) > 1 else (*row, "-", "-", "-") for row in found]
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -155,6 +183,7 @@ class Batch:
             saturations=counts["saturations"],
             zero_divisions=counts["zero_divisions"],
             digest=tuple(digests),
+            titles={item.key: f"{item.title} ({item.unit_typeset})" for item in judging.criteria},
         )
 
     @classmethod

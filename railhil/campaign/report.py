@@ -9,20 +9,17 @@ from typing import Any
 
 import pyarrow as pa
 
+from railhil.campaign.distributions import distributions
 from railhil.campaign.plan import Plan, make_plan
-from railhil.campaign.rows import column_of, rows_of
 from railhil.campaign.study import CAMPAIGN
 from railhil.common.digits import percent
 from railhil.common.errors import InputError
 from railhil.record.hash_list import REPORT, check_hash_list, listed_file
-from railhil.report.distribution import Spread, limits_of, picture
-from railhil.report.styles import styles
 from railhil.report.templates import script, styles_text, template
 from railhil.scenarios.given import KEY, RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
 from railhil.study.manifest import Manifest, read_manifest
-from railhil.study.table import numbers
 
 #: Folder inside the campaign's folder for runs that are made again.
 _AGAIN = "worst"
@@ -34,17 +31,6 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
-    labels = [entry.label for entry in plan.entries]
-    looks = dict(zip(labels, styles([entry.law.controller for entry in plan.entries]), strict=True))
-    by_law = {label: rows_of(table, label) for label in labels}
-    spreads = [
-        Spread(
-            criterion,
-            limits_of(plan.scenario, criterion),
-            {label: numbers(rows, column_of(criterion)) for label, rows in by_law.items()},
-        )
-        for criterion in plan.criteria
-    ]
     return template("campaign.html.j2", "railhil.campaign").render(
         summary=summary,
         title=plan.scenario.title,
@@ -52,7 +38,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
         columns=plan.criteria,
         rows=[_row(plan, label, law) for label, law in summary["laws"].items()],
         worst=[_worst(label, run, folder) for label, law in summary["laws"].items() for run in law["worst"]],
-        spread_picture=picture(spreads, looks),
+        spread_picture=distributions(summary, plan.criteria, table),
         chart_scripts=script(),
         chart_styles=styles_text(),
     )

@@ -1,4 +1,4 @@
-"""Prints a campaign on the terminal: tables up to 100 columns wide, all from ``summary.json``."""
+"""A campaign on the terminal and in a notebook: tables up to 100 columns wide, all from ``summary.json``."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Any
 from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
+from railhil.charts.figure import Figure
+from railhil.charts.notebook import html_cell, html_figure, html_paragraph, html_table
 from railhil.common.digits import count_of, percent, text_beside_limit
 from railhil.common.output import Output, titled_table
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
@@ -138,19 +140,51 @@ def _invalid_runs(law: Mapping[str, Any]) -> int:
     return int(law["invalid"]["runs"]) if "invalid" in law else 0
 
 
-def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
-    """Print all tables, then the worst runs with the commands that repeat them on the bench."""
+def tables(summary: Mapping[str, Any], judging: Judging) -> list[Table]:
+    """All tables of a campaign."""
     criteria = judging.criteria
-    console.say(
+    found = [_scores(summary, criteria), _inside(summary, judging)]
+    if all("stopped_within_m" in law for law in summary["laws"].values()):
+        found.append(_stops(summary))
+    if summary["against_baseline"]:
+        found.append(_against(summary, criteria))
+    return found
+
+
+def headline(summary: Mapping[str, Any]) -> str:
+    """The runs of a campaign in a sentence."""
+    return (
         f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "
         f"{summary['last_seed']}, {summary['arithmetic']}, indexed by {summary['indexing']}"
     )
-    tables = [_scores(summary, criteria), _inside(summary, judging)]
-    if all("stopped_within_m" in law for law in summary["laws"].values()):
-        tables.append(_stops(summary))
-    if summary["against_baseline"]:
-        tables.append(_against(summary, criteria))
-    for made in tables:
+
+
+def passed(summary: Mapping[str, Any]) -> str:
+    """The share of runs of each law that passed."""
+    shares = {label: law["inside"]["pass"]["share"] for label, law in summary["laws"].items()}
+    return ", ".join(f"{label} PASS {percent(share)}" for label, share in shares.items())
+
+
+def cell_html(summary: Mapping[str, Any], judging: Judging, figure: Figure, folder: Path) -> str:
+    """A campaign in a cell of a notebook.
+
+    :param figure: of the distributions of its scores.
+    """
+    found = [html_paragraph(text) for text in (headline(summary), *summary["warnings"], passed(summary))]
+    for made in tables(summary, judging):
+        heads = [str(column.header).replace("\n", " ") for column in made.columns]
+        rows = zip(*([str(text) for text in column.cells] for column in made.columns), strict=True)
+        numbers = [place for place, column in enumerate(made.columns) if column.justify == "right"]
+        found.append(html_table(str(made.title), heads, rows, numbers))
+    found += [html_paragraph(sentence) for sentence in _failures(summary)]
+    return html_cell(*found, html_figure(figure), html_paragraph(str(folder)))
+
+
+def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
+    """Print all tables, then the worst runs with the commands that repeat them on the bench."""
+    criteria = judging.criteria
+    console.say(headline(summary))
+    for made in tables(summary, judging):
         for warning in summary["warnings"]:
             console.say(warning, style="bold red")
         console.print(made)

@@ -1,4 +1,4 @@
-"""HTML for a cell of a notebook: tables and figures in the page of another program.
+"""A cell of a notebook: tables and figures in the page of another program, as HTML.
 
 Text and lines have the colour of that page's text, and the colours of curves are visible on a light and a dark ground:
 a notebook's theme is not that of the system. The styles apply inside their own block only.
@@ -28,7 +28,8 @@ _STYLES = """
   p { margin: .3rem 0; overflow-wrap: anywhere; }
   table { border-collapse: collapse; margin: .3rem 0; font-size: .9em; color: inherit; }
   caption { text-align: left; font-weight: 600; caption-side: top; }
-  th, td { padding: .15rem .6rem .15rem 0; text-align: left; white-space: nowrap; background: none; }
+  th, td { padding: .15rem .6rem .15rem 0; text-align: left; white-space: pre; background: none; }
+  th { vertical-align: bottom; }
   thead th { border-bottom: 1px solid var(--rc-dim); }
   tbody th { font-weight: 400; }
   .number { text-align: right; font-variant-numeric: tabular-nums; }
@@ -92,6 +93,13 @@ def html_table(
     head = "".join(cell(place, text, "col") for place, text in enumerate(heads))
     caption = f"<caption>{html_text(title)}</caption>" if title else ""
     return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(map(line, rows))}</tbody></table>"
+
+
+def text_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """The same for a plain terminal; the columns stand below each other."""
+    cells = [heads, *rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return "\n".join((title, *("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells)))
 
 
 def html_figure(figure: Figure) -> str:

@@ -13,7 +13,7 @@ from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.report.recorded import check_one_scenario
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"
@@ -55,10 +55,7 @@ def work(namespace: argparse.Namespace) -> int:
         notes += [] if compared is None else compared.get("notes", [])
     records = [checked_record(str(folder), namespace.scenario) for folder in folders]
     notes += [note for record in records for note in record.notes]
-    first = records[0].scenario
-    for folder, run in zip(folders, records, strict=True):
-        if any_judged_sha256(run.scenario) != any_judged_sha256(first):
-            raise InputError(folder, "scenario", run.scenario.name, f"{first.name}, as in {folders[0]}")
+    check_one_scenario(records)
     if namespace.out is not None:
         out = Path(namespace.out)
     elif len(given) == 1:

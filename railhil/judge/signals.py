@@ -43,10 +43,9 @@ class Signals(Mapping[str, FloatArray]):
         return len(self._columns)
 
     def __repr__(self) -> str:
-        cells = [self._heads, *self._rows()]
-        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-        lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells)
-        return "\n".join((self._title, *lines))
+        from railhil.charts.notebook import text_table
+
+        return text_table(self._title, self._heads, self._rows())
 
     def _repr_html_(self) -> str:
         from railhil.charts.notebook import html_cell, html_table

@@ -36,7 +36,11 @@ class Spread:
 
 def limits_of(scenario: Any, criterion: Criterion) -> tuple[float, ...]:
     """The bounds that a scenario allows."""
-    limit = criterion.limit_in(scenario)
+    return bounds_of(criterion, criterion.limit_in(scenario))
+
+
+def bounds_of(criterion: Criterion, limit: float | None) -> tuple[float, ...]:
+    """The bounds that a limit means for values with their sign."""
     if limit is None:
         return ()
     return (-limit, limit) if criterion.signed is not None else (limit,)

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from railhil.common.errors import InputError
 from railhil.judge.record import Record, law_label
+from railhil.scenarios.scenario_documents import any_judged_sha256
 
 #: The name of a record in version 0.1.0.
 RecordedRun = Record
+
+
+def check_one_scenario(runs: Sequence[Record]) -> None:
+    """
+    :raises InputError: two of the runs are of different scenarios; their scores cannot stand beside each other.
+    """
+    first = runs[0].scenario
+    for run in runs:
+        if any_judged_sha256(run.scenario) != any_judged_sha256(first):
+            raise InputError(run.folder, "scenario", run.scenario.name, f"{first.name}, as in {runs[0].folder}")
 
 
 def law_labels(runs: Sequence[Record]) -> list[str]:
