@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
-from railhil.scenarios.settings import SET, layer
+from railhil.scenarios.settings import FOREIGN, SET, layer
 from railhil.scenarios.tomlfile import parse_toml
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 DATA = Path(__file__).parent / "data"
 _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
-#: References to files in third-party formats, by section.
-_FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench"), "target": ()}
 _CHAIN_MAX = 8
 
 #: A section with all of these keys is complete: another train or line, which inherits nothing.
@@ -177,7 +175,7 @@ class Layers:
             _resolve_foreign(path, section, inner)
             self._drop_nodes(section, inner)
             complete = COMPLETE[section]
-            if any(key in inner for key in ("file", *_FOREIGN[section])) or (complete and {*complete} <= {*inner}):
+            if any(key in inner for key in ("file", *FOREIGN[section])) or (complete and {*complete} <= {*inner}):
                 # A section that names a file, or is complete, inherits nothing: the same section of an extended
                 # scenario is ignored.
                 self._closed.setdefault(section, len(self._stack) - 1)
@@ -244,7 +242,7 @@ def read_toml(path: Path) -> Table:
 
 def _resolve_foreign(path: Path, section: str, table: Table) -> None:
     """Make paths of third-party files absolute: they are relative to the file that names them."""
-    for key in _FOREIGN[section]:
+    for key in FOREIGN[section]:
         value = table.get(key)
         if isinstance(value, str):
             there = path.parent / value

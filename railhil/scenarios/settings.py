@@ -21,8 +21,10 @@ from railhil.scenarios.tomlfile import parse_toml
 SET = Path("--set")
 #: Keys that identify the scenario, and so cannot be set.
 _FIXED = ("schema_version", "name", "extends")
+#: Keys of references to files in third-party formats, by section.
+FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench", "railml"), "target": ()}
 #: Keys that name files: relative to the working folder, so kept as absolute paths.
-_FILES = ("file", "railtoolkit", "ttobench")
+_FILES = ("file", *FOREIGN["train"], *FOREIGN["line"])
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 

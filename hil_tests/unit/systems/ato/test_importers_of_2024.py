@@ -70,7 +70,8 @@ def test_stops_are_front_and_middle_points_by_label_or_id() -> None:
     whole = railtoolkit.load_line(VALLEY, train_length_m=100.0)
     names = [Stop("start", 0.0), Stop("Mill", 250.0), Stop("distant signal", 1300.0), Stop("Weir", 1850.0)]
     assert whole.stops == (*names, Stop("end", 2200.0))
-    assert whole.left_out == ("1 of the points of interest (measured at the rear, or outside the path)",)
+    unused = "not used of its file: 1 of the points of interest (measured at the rear, or outside the path)"
+    assert whole.remarks == (unused,)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +97,7 @@ def test_bad_paths_give_one_line(old: str, new: str, words: str, tmp_path: Path)
 def test_tracks_of_every_version_are_read(minor: int, tmp_path: Path) -> None:
     track = ttobench.load_line(changed(tmp_path, TUNNELS, "v1.4", f"v1.{minor}"))
     assert [stop.position_m for stop in track.stops] == [0.0, 900.0, 2200.0]
-    assert track.left_out == ("curvatures", "tunnels")
+    assert track.remarks == ("not used of its file: curvatures, tunnels",)
 
 
 LINES: Mapping[str, tuple[Path, str, str, float]] = {

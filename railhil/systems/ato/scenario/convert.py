@@ -80,7 +80,7 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunL
     whole = _whole_line(table, train_length_m, refuse)
     if table.stops:
         whole = replace(whole, stops=tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
-    remarks = (f"line: not used of its file: {', '.join(whole.left_out)}",) if whole.left_out else ()
+    remarks = tuple(f"line: {remark}" for remark in whole.remarks)
     if table.from_stop is None and table.to_stop is None:
         return RunLine(whole.line, None, remarks)
     here, there = (
@@ -111,12 +111,13 @@ def _whole_line(table: schema.LineTable, train_length_m: float, refuse: Refuse) 
             ("profiles", own),
             ("railtoolkit", table.railtoolkit),
             ("ttobench", table.ttobench),
+            ("railml", table.railml),
         )
         if given
     ]
     if len(sources) != 1:
         words = Words(" and ".join(sources) or "neither profiles nor an import")
-        raise refuse(("line",), words, "one of grade_permil with speed_limit_kmh, railtoolkit, ttobench")
+        raise refuse(("line",), words, "one of grade_permil with speed_limit_kmh, railtoolkit, ttobench, railml")
     balises = tuple(
         model.Balise(balise.number, balise.surveyed_m, balise.surveyed_m if balise.true_m is None else balise.true_m)
         for balise in table.balises
@@ -125,6 +126,16 @@ def _whole_line(table: schema.LineTable, train_length_m: float, refuse: Refuse) 
         found = railtoolkit.load_line(table.railtoolkit, train_length_m=train_length_m, path_id=table.path_id)
     elif table.ttobench is not None:
         found = ttobench.load_line(table.ttobench)
+    elif table.railml is not None:
+        # Imported here, because few scenarios have such a file and every process would load the parser.
+        from railhil.systems.ato.scenario.importers import railml
+
+        found = railml.load_line(
+            table.railml,
+            track_ids=table.track_ids or (),
+            reverse=table.track_direction == "reverse",
+            default_limit_mps=None if table.default_limit_kmh is None else table.default_limit_kmh / 3.6,
+        )
     else:
         if table.grade_permil is None or table.speed_limit_kmh is None or table.name is None:
             raise refuse(("line",), Words("not all of them"), "name, grade_permil and speed_limit_kmh together")

@@ -119,6 +119,9 @@ class LineTable(Table):
         "stops": "from_stop",
         "balises_before_stop_m": "from_stop",
         "path_id": "railtoolkit",
+        "track_ids": "railml",
+        "track_direction": "railml",
+        "default_limit_kmh": "railml",
     }
     name: Text | None = None
     grade_permil: Pairs | None = None
@@ -128,6 +131,10 @@ class LineTable(Table):
     railtoolkit: Text | None = None
     path_id: Text | None = None
     ttobench: Text | None = None
+    railml: Text | None = None
+    track_ids: Annotated[list[Text], Field(min_length=1)] | None = None
+    track_direction: Literal["normal", "reverse"] = "normal"
+    default_limit_kmh: Positive | None = None
     from_stop: Text | int | None = None
     to_stop: Text | int | None = None
     balises_before_stop_m: Annotated[list[NotNegative], Field(max_length=9)] = []

@@ -1,1 +1,1 @@
-"""Importers for open rail data: railtoolkit (paths, rolling stock) and TTOBench (tracks)."""
+"""Importers for open rail data: railtoolkit (paths, rolling stock), TTOBench (tracks), railML 3 (infrastructure)."""

@@ -31,7 +31,7 @@ from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.scenarios.profiles import Profile, merge_profiles
 from railhil.scenarios.validation import Keys, validate
-from railhil.systems.ato.scenario.importers.section import Stop, StopLine
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_unused
 from railhil.systems.ato.scenario.model import Effort, Line, Train
 
 #: Versions of each format that are read.
@@ -164,8 +164,8 @@ def load_line(file: str | Path, *, train_length_m: float, path_id: str | None = 
         Stop("end", positions[-1]),
     ]
     rest = len(path.points_of_interest) - len(inner)
-    left_out = (f"{rest} of the points of interest (measured at the rear, or outside the path)",) if rest else ()
-    return StopLine(Line(path.description or path.id, grades, limits), tuple(stops), left_out)
+    unused = [f"{rest} of the points of interest (measured at the rear, or outside the path)"] if rest else []
+    return StopLine(Line(path.description or path.id, grades, limits), tuple(stops), list_unused(unused))
 
 
 def _profiles(file: str | Path, path: _Path) -> tuple[Profile, Profile]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railhil.scenarios import profiles
@@ -25,12 +26,12 @@ class Stop:
 class StopLine:
     """A whole line in its own positions (m), with its stops in running order.
 
-    ``left_out`` names what the file of the line has, but a run does not use.
+    ``remarks`` say what its file has but a run does not use, and what was chosen where the file says nothing.
     """
 
     line: Line
     stops: tuple[Stop, ...]
-    left_out: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def section(
         self,
@@ -59,6 +60,11 @@ class StopLine:
             speed_limit_mps=profiles.shift(profiles.cut(line.speed_limit_mps, low_m, end_m), start_m),
             balises=balises + _stop_balises(from_index, to_index, end_m - start_m, balises_before_stop_m),
         )
+
+
+def list_unused(names: Sequence[str]) -> tuple[str, ...]:
+    """The remark about what a file has but a run does not use, if there is anything."""
+    return (f"not used of its file: {', '.join(names)}",) if names else ()
 
 
 def _number(stop_index: int, order: int) -> int:

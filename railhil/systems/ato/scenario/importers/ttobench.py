@@ -17,12 +17,12 @@ from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
 from railhil.scenarios.profiles import Profile
 from railhil.scenarios.validation import validate
-from railhil.systems.ato.scenario.importers.section import Stop, StopLine
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_unused
 from railhil.systems.ato.scenario.model import Line
 
 VERSIONS = tuple(f"TTOBench v1.{minor}" for minor in range(1, 6))
 #: Fields of a track that change no run here.
-_LEFT_OUT = ("curvatures", "tunnels", "ETCS braking data")
+_UNUSED = ("curvatures", "tunnels", "ETCS braking data")
 
 _Row = Annotated[tuple[float, float], Strict(False)]
 
@@ -95,7 +95,7 @@ def load_line(file: str | Path) -> StopLine:
         if limit_mps <= 0:
             raise InputError(file, f"speed limits.values[{row}]", track.limits.values[row], "a limit above 0")
     stops = tuple(Stop(f"stop {number}", position_m) for number, position_m in enumerate(stop_m))
-    return StopLine(Line(track.metadata.id, grade, limits), stops, tuple(key for key in _LEFT_OUT if key in data))
+    return StopLine(Line(track.metadata.id, grade, limits), stops, list_unused([key for key in _UNUSED if key in data]))
 
 
 def _check_increasing(file: str | Path, key: str, positions: list[float]) -> None:

@@ -1,0 +1,132 @@
+"""Lines of railML 3: the way along tracks, and what lies on it; one line for every file that is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+from railhil.bench import unrecorded_run
+from railhil.common.errors import InputError
+from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.systems.ato.scenario.importers.railml import load_line
+from railhil.systems.ato.scenario.importers.section import Stop
+from railhil.systems.ato.scenario.model import Line
+
+EXAMPLE = ROOT / "docs" / "examples" / "north_south.xml"
+SOUTHWARDS = ("t1", "t2", "t3")
+LIMIT_MPS = 60 / 3.6
+
+
+def limits_kmh(line: Line) -> list[tuple[float, float]]:
+    return [(from_m, round(limit_mps * 3.6, 6)) for from_m, limit_mps in line.speed_limit_mps]
+
+
+def southwards(file: Path = EXAMPLE) -> Line:
+    return load_line(file, track_ids=SOUTHWARDS, default_limit_mps=LIMIT_MPS).line
+
+
+def changed(tmp_path: Path, old: str, new: str) -> Path:
+    text = EXAMPLE.read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / EXAMPLE.name
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+def test_tracks_are_joined_whichever_way_their_net_elements_point() -> None:
+    whole = load_line(EXAMPLE, track_ids=SOUTHWARDS, default_limit_mps=LIMIT_MPS)
+    assert whole.stops == (Stop("start", 0.0), Stop("North", 150.0), Stop("South", 2100.0), Stop("end", 2200.0))
+    assert whole.line.name == "t1, t2, t3"
+
+
+def test_grades_are_those_of_the_direction_of_running_and_an_arc_has_its_neighbours() -> None:
+    assert southwards().grade_permil == ((0.0, 0.0), (400.0, 6.0), (1150.0, -4.0), (1900.0, 0.0))
+    back = load_line(EXAMPLE, track_ids=SOUTHWARDS[::-1], reverse=True, default_limit_mps=LIMIT_MPS).line
+    assert back.grade_permil == ((0.0, 0.0), (300.0, 4.0), (1050.0, -6.0), (1800.0, 0.0))
+
+
+def test_limits_are_the_lowest_of_the_sections_of_the_direction_of_running() -> None:
+    """The section of 75 km/h has falling positions, that of 40 km/h is for the other direction."""
+    assert limits_kmh(southwards()) == [(0.0, 60.0), (400.0, 75.0), (1100.0, 55.0), (1300.0, 75.0), (1900.0, 60.0)]
+    back = load_line(EXAMPLE, track_ids=SOUTHWARDS[::-1], reverse=True, default_limit_mps=LIMIT_MPS).line
+    assert limits_kmh(back) == [(0.0, 60.0), (300.0, 40.0), (1800.0, 60.0)]
+
+
+def test_balises_of_the_direction_of_running_are_numbered_downwards() -> None:
+    assert [(one.number, one.surveyed_m) for one in southwards().balises] == [
+        (255, 1000.0),
+        (254, 2050.0),
+        (253, 2095.0),
+    ]
+
+
+def test_a_file_without_balises_gives_its_groups_of_balises(tmp_path: Path) -> None:
+    file = changed(tmp_path, "balise ", "baliseGroup ")
+    text = file.read_text(encoding="utf-8").replace("</balise>", "</baliseGroup>").replace("balises>", "baliseGroups>")
+    file.write_text(text, encoding="utf-8")
+    assert southwards(file).balises == southwards().balises
+
+
+def test_what_a_run_does_not_use_is_said() -> None:
+    assert load_line(EXAMPLE, track_ids=SOUTHWARDS, default_limit_mps=LIMIT_MPS).remarks == (
+        "not used of its file: horizontalCurves, places on groups of net elements (s5)",
+        "level where its file has no gradient: 1900 to 2200 m",
+    )
+
+
+def test_a_net_element_without_length_has_that_of_its_measures(tmp_path: Path) -> None:
+    assert southwards(changed(tmp_path, ' length="1500"', "")) == southwards()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("railml.org/schemas/3.2", "railml.org/schemas/2021", "expected infrastructure in railML 3"),
+        ("</railML>", "", "is no XML, expected infrastructure in railML 3 (no element found"),
+        ("<railML ", "<!DOCTYPE railML [<!ENTITY a 'b'>]><railML ", "has a document type, expected"),
+        ('maxSpeed="75"', 'maxSpeed="fast"', "speedSection s2 maxSpeed: found 'fast', allowed a number"),
+        ('maxSpeed="75"', 'maxSpeed="0"', "found '0', allowed a speed above 0"),
+        (' maxSpeed="75"', "", "speedSection s2 maxSpeed: missing"),
+        ('gradient="-6"', 'gradient="inf"', "gradientCurve g2 gradient: found 'inf'"),
+        ('posBegin="800"', 'posBegin="600"', "is -4 permil where another curve is 6"),
+        ('Ref="ne_south" pos', 'Ref="ne_soth" pos', "allowed the id of a net element (did you mean ne_south?)"),
+        (' length="300"', "", "netElement ne_south length: missing"),
+        ('units="km"', 'units="miles"', "linearPositioningSystem km units: found 'miles', allowed m or km"),
+        ('positionOnB="1"', 'positionOnB="0"', "track t3: is not connected, expected a track that begins"),
+        ("track>", "trak>", "is no XML"),
+        (' intrinsicCoord="0.5"', "", "balise b3 spotLocation: missing"),
+    ],
+)
+def test_a_wrong_file_gives_one_line(old: str, new: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        southwards(changed(tmp_path, old, new))
+    assert "\n" not in str(caught.value)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("tracks", "words"),
+    [
+        ((), "line.track_ids: no choice among several, expected some of t1, t2, t3"),
+        (("t9",), "line.track_ids: found 't9', allowed some of t1, t2, t3"),
+        (("t1", "t3"), "track t3: is not connected"),
+    ],
+)
+def test_tracks_that_are_no_way_give_one_line(tracks: tuple[str, ...], words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_line(EXAMPLE, track_ids=tracks, default_limit_mps=LIMIT_MPS)
+    assert words in str(caught.value)
+
+
+def test_a_place_without_a_limit_must_be_given_one() -> None:
+    with pytest.raises(InputError, match=r"line.default_limit_kmh: the file has no speed section for 1900 to 2200 m"):
+        load_line(EXAMPLE, track_ids=SOUTHWARDS)
+
+
+def test_a_run_on_a_line_of_railml_comes_to_its_verdict() -> None:
+    scenario = load(EXAMPLE.with_suffix(".toml"))
+    result = unrecorded_run(scenario, RunSpec(law=LawSpec("ipfc_plus")))
+    assert result.verdict == "PASS", result.failures
