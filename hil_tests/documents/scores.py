@@ -1,4 +1,4 @@
-"""Figures of docs/reference/scores.md."""
+"""Figures of docs/reference/scores.md and docs/explanation/paper_ordering.md."""
 
 from __future__ import annotations
 

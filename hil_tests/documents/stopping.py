@@ -1,4 +1,4 @@
-"""Figures of docs/explanation/stopping.md."""
+"""Figures of docs/reference/stopping.md."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ def test_the_report_of_another_run_teaches_nothing() -> None:
 
 @pytest.mark.long
 def test_least_squares_learn_from_runs_of_other_speeds_and_loads() -> None:
-    """What they come to after 20 runs: docs/explanation/stopping.md."""
+    """What they come to after 20 runs: docs/reference/stopping.md."""
     settings = (*SHORT, "task.start_m=2570", "task.start_spread_kmh=4")
     scenario = load_any("yizhuang_stop_load", settings)
     parameters = ParameterSet("ilc_stop", {"learning": "rls_load", "filter": "mean16"}, Path("test.toml"))

@@ -1,4 +1,4 @@
-"""The statements of docs/reference/scores.md about the published table that can be computed for this train."""
+"""The statements of docs/explanation/paper_ordering.md about the published table, as far as they can be computed."""
 
 from __future__ import annotations
 
