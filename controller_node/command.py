@@ -12,7 +12,7 @@ from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
-from railhil.common.command_line import OneLineParser, add_priority_argument, parse
+from railhil.common.command_line import OneLineParser, accept_former_name, add_priority_argument, parse
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.common.scheduling import cycle
@@ -22,7 +22,7 @@ from railhil.controller_node.laws import law_class
 from railhil.controller_node.process_loop import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import law_document, write_telemetry
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.options import add_law_options, add_option, add_options, law_spec, patience_help
+from railhil.scenarios.options import OR_YOURS, add_law_options, add_option, add_options, law_spec
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION, receive_scenario
 from railhil.scenarios.system import System
@@ -35,21 +35,22 @@ def arguments() -> argparse.ArgumentParser:
         description="Train speed controller on the bus.",
         examples=["railhil node controller yizhuang_05 --controller ipfc_plus -i socketcan -c vcan0"],
     )
-    add_options(parser, "scenario", "--controller")
+    add_option(parser, "scenario")
+    add_option(parser, "--controller", OR_YOURS)
     add_law_options(parser)
     add_option(parser, "--parameters")
-    add_option(parser, "--memory-from", help="what the law has kept of its last runs")
+    add_option(parser, "--memory-from")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
     parser.add_argument(
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
-    add_options(parser, "--set", "--fault", "--fault-log")
-    add_option(parser, "--seed", help="seed of the run, which only faults use here")
-    said = f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)"
-    add_option(parser, "--appear-timeout", default=FIRST_FRAME_S, help=said)
+    add_options(parser, "--set", "--fault", "--fault-logs")
+    accept_former_name(parser, "--fault-log", "--fault-logs")
+    add_option(parser, "--seed", ", which only faults use here")
+    add_option(parser, "--appear-timeout", default=FIRST_FRAME_S, usual=f"{FIRST_FRAME_S:g} s")
     add_options(parser, "--sent-file", OPTION)
-    add_option(parser, "--patience", help=patience_help("the bus administrator, which may wait for another node,"))
-    add_priority_argument(parser, 0, "default 0")
+    add_option(parser, "--patience", ": the bus administrator may wait for another node")
+    add_priority_argument(parser, 0, "0")
     add_bus_arguments(parser)
     return parser
 
@@ -98,7 +99,7 @@ def main(words: Sequence[str] | None = None) -> int:
         RunSpec(law=law, seed=namespace.seed, patience_s=namespace.patience),
         fd=choice.fd,
         bit_rate=getattr(namespace, "bitrate", None),
-        folder=namespace.fault_log,
+        folder=namespace.fault_logs,
         kill=kill_this_process,
         pause=stop_this_process,
     )

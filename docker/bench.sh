@@ -142,8 +142,8 @@ case $role in plant | controller | supervisor)
 $faults
 END
         case $role in
-        plant) set -- "$@" --fault-log /bus/faults ;;
-        controller) set -- "$@" --fault-log /bus/faults --seed "$SEED" ;;
+        plant) set -- "$@" --fault-logs /bus/faults ;;
+        controller) set -- "$@" --fault-logs /bus/faults --seed "$SEED" ;;
         supervisor) set -- "$@" --fault-logs /bus/faults ;;
         esac
     fi

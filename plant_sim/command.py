@@ -13,7 +13,7 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
-from railhil.common.command_line import OneLineParser, add_priority_argument, parse
+from railhil.common.command_line import OneLineParser, accept_former_name, add_priority_argument, parse
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.patience import Lifelines
@@ -38,8 +38,9 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: file for lateness and latencies, written at the end"
     )
-    add_options(parser, "--fault-log", "--lifeline", "--sent-file", OPTION)
-    add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
+    add_options(parser, "--fault-logs", "--lifeline", "--sent-file", OPTION)
+    accept_former_name(parser, "--fault-log", "--fault-logs")
+    add_priority_argument(parser, None, f"{NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
 
@@ -105,7 +106,7 @@ def main(words: Sequence[str] | None = None) -> int:
             link,
             fd=choice.fd,
             appear_s=namespace.appear_timeout,
-            fault_log=namespace.fault_log,
+            fault_log=namespace.fault_logs,
             disturber=link.disturber,
             packed=link.packed,
         )

@@ -37,7 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-c",
         "--channel",
-        help=f"{CHANNEL_HELP} (default {default_channel()})",
+        metavar="CHANNEL",
+        help=f"{CHANNEL_HELP} (default: {default_channel()})",
     )
     parser.add_argument("--once", action="store_true", help="exit when all clients have left")
     parser.add_argument(
@@ -48,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--bitrate",
         type=_bit_rate,
         metavar="BPS",
-        help=f"{BITRATE_HELP}, with --bitrate-model (default {DEFAULT_BITRATE_BPS})",
+        help=f"{BITRATE_HELP}, with --bitrate-model (default: {DEFAULT_BITRATE_BPS})",
     )
     parser.add_argument(
         "--data-bitrate",
@@ -77,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=whole_number(1, _QUEUE_MAX_BYTES),
         default=DEFAULT_QUEUE_LIMIT_BYTES,
         metavar="BYTES",
-        help="how far a client may fall behind before it is disconnected, default %(default)s",
+        help="how far a client may fall behind before it is disconnected (default: %(default)s)",
     )
     parser.add_argument(
         "--port",
@@ -91,7 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="for lockstep: frames wait for a --port that is full or down, instead of being dropped",
     )
-    add_priority_argument(parser, 0, "default 0")
+    add_priority_argument(parser, 0, "0")
 
 
 def run(args: argparse.Namespace) -> int:

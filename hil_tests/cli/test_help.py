@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from argparse import ArgumentParser, _SubParsersAction
+from argparse import SUPPRESS, Action, ArgumentParser, _SubParsersAction
 from collections.abc import Iterator
 
 import pytest
@@ -13,6 +13,7 @@ from railhil.cli import commands
 from railhil.cli.completion import program_parser, whole_parser
 from railhil.cli.programs import NODES, PROGRAMS
 from railhil.common.command_line import OneLineParser, accept_former_name
+from railhil.scenarios.options import _DECLARED
 
 #: Shown width of a terminal that nobody has widened.
 _WIDTH = 80
@@ -113,3 +114,43 @@ def test_an_option_is_known_by_its_former_name(capsys: pytest.CaptureFixture[str
     assert line.startswith("railhil some: --first-seed is called --seed now")
     assert parser.parse_args([]).seed == 3
     assert "first-seed" not in parser.format_help()
+
+
+#: Words of the option that stand for several things, each of which has its term in the field.
+SEVERAL = {
+    "--port": "a port of the port table, a TCP port, a port of the switch",
+    "--out": "a folder or a file, and for exports either",
+    "--only": "entries of a catalogue, or a pattern",
+}
+#: Options whose default depends on the command, which its help says.
+OWN_DEFAULT = {
+    "--appear-timeout", "--arithmetic", "--bitrate", "--bus", "--channel", "--chunk", "--controller",
+    "--data-bitrate", "--fault-logs", "--jobs", "--laws", "--patience", "--realtime-priority", "--runs",
+    "--scenario", "--seed", "--seeds",
+}  # fmt: skip
+
+
+def test_an_option_is_the_same_on_every_command() -> None:
+    """Name, metavar, default, and the beginning of its text; what a command does with it may follow."""
+    found: dict[str, list[Action]] = {}
+    for parser in COMMANDS.values():
+        for action in parser._actions:
+            if action.option_strings and action.help != SUPPRESS:
+                found.setdefault(action.option_strings[-1], []).append(action)
+    declared = {name: str(given["help"]) for name, given in _DECLARED.items()}
+    common = {name: same for name, same in found.items() if len(same) > 1 and name not in SEVERAL}
+    assert len(common) > 40
+    for name, same in common.items():
+        texts = sorted({str(action.help).partition(" (default: ")[0] for action in same}, key=len)
+        core = declared.get(name, texts[0])
+        assert [text for text in texts if not text.startswith(core)] == [], name
+        assert len({(action.metavar, action.nargs, *action.option_strings) for action in same}) == 1, name
+        said = {str(action.help).partition(" (default: ")[2] for action in same}
+        assert len(said) == 1 or name in OWN_DEFAULT, name
+
+
+def test_a_default_is_told_in_one_form() -> None:
+    texts = [str(action.help) for parser in COMMANDS.values() for action in parser._actions]
+    assert [
+        text for text in texts if "default" in text and "(default: " not in text and "(default port" not in text
+    ] == []

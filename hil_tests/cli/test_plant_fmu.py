@@ -88,7 +88,7 @@ def test_processes_have_the_bytes_of_one_process(here: Railhil, train: Path, tmp
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_trains_in_python_run_and_do_the_same_twice(here: Railhil, version: str, tmp_path: Path) -> None:
     fmu = fmus.python_train(tmp_path, version)
-    done = here("doctor", "--fmu", fmu, "--json")
+    done = here("doctor", "--plant-fmu", fmu, "--json")
     assert done.exit_code == 0, done.err
     assert json.loads(done.out)["deterministic"]
     (tmp_path / "short.toml").write_text(RUN_72M_TOML)
@@ -248,10 +248,10 @@ def test_an_fmu_for_another_machine_is_refused(here: Railhil) -> None:
 
 
 def test_doctor_says_whether_it_does_the_same_twice(here: Railhil, train: Path, tmp_path: Path) -> None:
-    done = here("doctor", "--fmu", train)
+    done = here("doctor", "--plant-fmu", train)
     assert done == Done(0, done.out, "")
     assert "two runs of 4000 steps are equal" in done.out
-    for option in ("--fmu-map", "--fmu-scenario"):
+    for option in ("--fmu-map", "--scenario"):
         refused = here("doctor", option, "a.toml")
         assert refused.exit_code == 2
-        assert f"{option}: used only with --fmu" in refused.err
+        assert f"{option}: used only with --plant-fmu" in refused.err

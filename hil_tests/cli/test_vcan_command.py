@@ -121,7 +121,7 @@ def test_nothing_of_a_machine_outlives_the_command(tmp_path, number):
     if kind != "user-mode":
         warnings.warn(f"MISSING CAPABILITY user-mode kernel: {USER_MODE.unable()}; seen with: {kind}", stacklevel=1)
     (tmp_path / "runs").mkdir()
-    words = [sys.executable, "-m", "railhil.cli", "vcan", "--via", kind, "--memory", "256", "--processors", "1", "--"]
+    words = [sys.executable, "-m", "railhil.cli", "vcan", "--via", kind, "--ram", "256", "--processors", "1", "--"]
     command = subprocess.Popen([*words, "sh", "-c", "touch runs/began; sleep 60"], cwd=tmp_path, stderr=subprocess.PIPE)
     # The emulated machine takes 13 s to boot when nothing else runs.
     wait_for((tmp_path / "runs/began").exists, 30 if kind == "user-mode" else 170)
@@ -162,7 +162,7 @@ def test_kernel_that_knows_can_but_not_vcan_says_so(monkeypatch):
         (["--share", "/no/such", "--", "true"], "found /no/such, allowed: a folder that is there"),
         (["--via", "hope", "--", "true"], "'hope'"),
         (["--timeout", "0", "--", "true"], "found '0', allowed: 1 to 86400 s"),
-        (["--memory", "12", "--", "true"], "found 12, allowed 256..1048576"),
+        (["--ram", "12", "--", "true"], "found 12, allowed 256..1048576"),
         (["--processors", "0", "--", "true"], "found 0, allowed 1..16"),
     ],
 )

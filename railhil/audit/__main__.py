@@ -17,7 +17,6 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import find
-from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.options import add_option, add_options
@@ -47,18 +46,15 @@ def arguments() -> argparse.ArgumentParser:
         epilog=_EXIT_CODES,
     )
     add_options(parser, "scenario", "--set")
-    add_option(parser, "--controller", help=f"one of {', '.join(laws())}; for another system, one of its laws")
+    add_option(parser, "--controller")
     others = [name for name in arithmetics() if name != "float64"]
-    add_option(parser, "--arithmetic", choices=others, default="iq", help="(default iq)")
+    add_option(parser, "--arithmetic", choices=others, default="iq", usual="iq")
     add_option(parser, "--indexing")
-    add_option(parser, "--seed", help="seed of the run with the shadows (default 0)")
-    parser.add_argument(
-        "--runs",
-        type=whole_number(0, _RUNS_MAX),
-        metavar="N",
-        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default {_RUNS}, "
-        f"{_RUNS_NODES} in a system without a batch; 0 leaves it out)",
-    )
+    add_option(parser, "--seed", ", of the run with the shadows")
+    add_option(
+        parser, "--runs", f", perturbed, for the effect on the scores, from seed {FIRST_SEED} on; 0: none",
+        type=whole_number(0, _RUNS_MAX), usual=f"{_RUNS}, {_RUNS_NODES} in a system without a batch",
+    )  # fmt: skip
     add_json_argument(parser)
     return parser
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 
-from railhil.campaign.plan import ALL_LAWS, Plan, Request
+from railhil.campaign.plan import Plan, Request
 from railhil.common.command_line import OneLineParser, accept_former_name
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
-from railhil.controller_node.laws import names as laws
 from railhil.scenarios.given import given_controllers
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
@@ -42,29 +41,23 @@ def arguments() -> argparse.ArgumentParser:
         description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
         epilog=exit_codes("workers or scheduler were lost too often, or the bench gave no valid run"),
     )
-    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {usual.scenario})")
+    add_option(parser, "scenario", default=None)
     add_options(parser, "--set")
-    add_number(parser, Request, "runs", f"runs of each law (default {{}}); --verify: {_VERIFIED_RUNS}")
-    add_number(parser, Request, "first_seed", "first seed (default {})", option="--seed")
+    add_number(parser, Request, "runs", f" of each law; with --verify {_VERIFIED_RUNS} of all")
+    add_number(parser, Request, "first_seed")
     accept_former_name(parser, "--first-seed", "--seed")
-    parser.add_argument(
-        "--laws",
-        type=_law_list,
-        metavar="A,B,...",
-        help=f"{ALL_LAWS}, or some of {', '.join(laws())}, or code as for railhil run --controller (default ipfc)",
-    )
-    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_option(parser, "--laws", type=_law_list, usual="the one of the scenario's system")
+    add_option(parser, "--arithmetic", usual=usual.arithmetic)
     add_option(parser, "--indexing", default=None)
-    add_option(parser, "--parameters", action="append", help="parameters of one law; may be given again")
+    add_option(parser, "--parameters", "; may be given again, for another law", action="append")
     add_option(parser, "--both")
-    said = "also seeds on which parameters were tuned or chosen; every table then says so"
-    add_option(parser, "--allow-training-seeds", help=said)
+    add_option(parser, "--allow-training-seeds", "; every table then says so")
     parser.add_argument(
         "--engine", type=_engine, choices=ENGINES, default="batch", help="this process, cores, machines"
     )
-    add_option(parser, "--jobs", help="processes: how many (default: one per core)")
-    add_number(parser, Request, "chunk", "runs per part (default {})")
-    add_folder_arguments(parser, "campaign", "runs of a finished campaign", with_report=False)
+    add_option(parser, "--jobs", ", with --engine processes")
+    add_number(parser, Request, "chunk")
+    add_folder_arguments(parser, "campaign", with_report=False)
     return parser
 
 

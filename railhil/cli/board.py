@@ -36,10 +36,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "an answer is wrong, 3 if no controller answers (docs/reference/wire.md).",
     )
     add_options(parser, "scenario", "--set", "--pace", "--rate", "--appear-timeout")
-    add_option(parser, "--patience", default=PATIENCE_S, help=f"wall time for an answer (default {PATIENCE_S:g} s)")
+    add_option(parser, "--patience", default=PATIENCE_S, usual=f"{PATIENCE_S:g} s")
     parser.add_argument(
         "--polls", type=whole_number(1, _POLLS_MAX), default=POLLS, metavar="N",
-        help=f"polls of the first command (default {POLLS})",
+        help=f"polls of the first command (default: {POLLS})",
     )  # fmt: skip
     add_json_argument(parser)
     add_bus_arguments(parser)

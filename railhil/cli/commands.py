@@ -67,7 +67,7 @@ _WHAT = "Hardware-in-the-loop bench for train controllers: MVB telegrams on a CA
 #: The first commands of a new user, and what each does.
 _FIRST_STEPS = {
     "railhil run --controller ipfc_plus": "a run with a good law: verdict, scores, report",
-    "railhil new scenario myline": "a line of your own",
+    "railhil new line myline": "a line and a train of your own",
     "railhil new law mylaw": "a law of your own",
     "railhil new c-controller mine": "a controller of your own in C, C++ or Python",
     "railhil COMMAND --help": "options and examples of a command",

@@ -49,13 +49,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "than failed.",
     )
     add_arguments(parser)
-    parser.add_argument("--laws", default=_ALL, metavar="A,B,...", help=f"of {', '.join(law_names())} (default {_ALL})")
-    add_option(parser, "--parameters", action="append", default=[], help="parameters of the law it names")
+    add_option(parser, "--laws", default=_ALL, usual=_ALL)
+    add_option(parser, "--parameters", "; may be given again, for another law", action="append", default=[])
     add_option(parser, "--both")
     add_option(parser, "--allow-training-seeds")
     add_sign_argument(parser)
     add_json_argument(parser)
-    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
+    add_option(parser, "--out DIR", usual="runs/<utc>-<scenario>-compare")
     parser.set_defaults(work=work)
 
 

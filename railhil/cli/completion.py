@@ -72,7 +72,7 @@ def _mark(parser: argparse.ArgumentParser, file: object, folder: object) -> None
             action.complete = _SCENARIO  # type: ignore[attr-defined]
         elif action.dest in ("controller", "law"):
             action.choices = law_names()
-        elif action.metavar in ("FILE", "DIR"):
+        elif action.metavar in ("FILE", "DIR", "RUN"):
             action.complete = file if action.metavar == "FILE" else folder  # type: ignore[attr-defined]
 
 

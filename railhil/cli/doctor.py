@@ -22,7 +22,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, own_pipes
 from railhil.bus.transports import HUB_MODEL, limits
 from railhil.common.build import python_build, railhil_build
-from railhil.common.command_line import USUAL_SCENARIO
+from railhil.common.command_line import USUAL_SCENARIO, accept_former_name
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import PASS, USAGE
@@ -33,7 +33,9 @@ from railhil.dbc import wire_contract
 from railhil.live.doctor.machine import Finding, kernel_can, machine, tools
 from railhil.live.doctor.timing import measure_lateness, scheduling
 from railhil.run.node_commands import gets_pipes
-from railhil.scenarios.plant_fmu import PlantFmu
+from railhil.scenarios.options import add_option
+from railhil.scenarios.plant_fmu import MAP_OPTION, PlantFmu
+from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import RunSpec
 
 #: Listening time on the requested bus.
@@ -52,13 +54,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
-    parser.add_argument(
-        "--fmu", metavar="FILE", help="only whether this FMU can be the plant, and is deterministic (extra [fmi])"
-    )
-    parser.add_argument(
-        "--fmu-scenario", metavar="NAME", help=f"a scenario of the system of --fmu (default: {USUAL_SCENARIO})"
-    )
-    parser.add_argument("--fmu-map", metavar="FILE", help="names of its variables (default: FILE of --fmu with .toml)")
+    add_option(parser, FMU_OPTION, "; the command only tells whether it can be, and does the same twice")
+    add_option(parser, MAP_OPTION)
+    add_option(parser, "--scenario", f" of the system of {FMU_OPTION}", usual=USUAL_SCENARIO)
+    accept_former_name(parser, "--fmu", FMU_OPTION)
+    accept_former_name(parser, "--fmu-scenario", "--scenario")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
 
@@ -124,14 +124,14 @@ def _fmu(namespace: argparse.Namespace) -> int:
     from railhil.fmu.determinism import TICKS
     from railhil.plant_sim.fmu import plant_twice
 
-    if namespace.fmu is None:
-        option, value = ("--fmu-map", namespace.fmu_map)
+    if namespace.plant_fmu is None:
+        option, value = (MAP_OPTION, namespace.fmu_map)
         if value is None:
-            option, value = ("--fmu-scenario", namespace.fmu_scenario)
-        raise InputError("command line", option, value, Sentence("used only with --fmu"))
-    named = PlantFmu(namespace.fmu, namespace.fmu_map or str(Path(namespace.fmu).with_suffix(".toml")))
+            option, value = ("--scenario", namespace.scenario)
+        raise InputError("command line", option, value, Sentence(f"used only with {FMU_OPTION}"))
+    named = PlantFmu(namespace.plant_fmu, namespace.fmu_map or str(Path(namespace.plant_fmu).with_suffix(".toml")))
     document = named.as_json()
-    run = RunSpec(namespace.fmu_scenario or USUAL_SCENARIO, plant_fmu=named)
+    run = RunSpec(namespace.scenario or USUAL_SCENARIO, plant_fmu=named)
     same, found = plant_twice(run.load(), run)
     if namespace.json:
         print_json({**document, "ticks": TICKS, "deterministic": same, "found": found})
@@ -144,7 +144,7 @@ def _fmu(namespace: argparse.Namespace) -> int:
 
 def work(namespace: argparse.Namespace) -> int:
     """Print facts, findings and limits; exit code 2 if the requested bus cannot be opened."""
-    if any(value is not None for value in (namespace.fmu, namespace.fmu_map, namespace.fmu_scenario)):
+    if any(value is not None for value in (namespace.plant_fmu, namespace.fmu_map, namespace.scenario)):
         return _fmu(namespace)
     given = named_bus(namespace)
     choice = choose_bus(given)

@@ -14,6 +14,7 @@ from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
 from railhil.report.files.content import Content, parsed_start
+from railhil.scenarios.options import add_option
 
 _ROOM = "railhil.report.files"
 
@@ -45,16 +46,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil export runs/mine --mf4 --parquet --out files",
         ],
     )
-    parser.add_argument("run", help="run folder")
+    add_option(parser, "log")
     for name, kind in _FORMATS.items():
         extra = f" (needs the extra [{kind.extra}])" if kind.extra else ""
         parser.add_argument(f"--{name}", action="store_true", help=f"{kind.help}{extra}")
     parser.add_argument(
         "--start", metavar="TIME", help="instant of the run's time 0, with its zone: 2026-11-22T18:42:55Z"
     )
-    parser.add_argument(
-        "--out", metavar="PATH", help="folder, or the file if there is only one (default: the run folder)"
-    )
+    note = ", or the file if there is only one"
+    add_option(parser, "--out DIR", note, metavar="PATH", usual="the run folder")
     parser.set_defaults(work=work)
 
 
@@ -67,7 +67,7 @@ def work(namespace: argparse.Namespace) -> int:
     if "blf" in wanted and start is None:
         raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")
     writers = {name: _writer(_FORMATS[name]) for name in wanted}
-    content = Content(checked_record(namespace.run, None), start)
+    content = Content(checked_record(namespace.log, None), start)
     for note in content.record.unused:
         Output(stderr=True).say(note)
     for name, path in _places(namespace.out, content.record.log.parent, wanted).items():

@@ -21,7 +21,7 @@ from railhil.common.exit_codes import run_guarded
 from railhil.controller_node.cost import estimated_cycles
 from railhil.controller_node.export.bundle import control_of, make_bundle, write_bundle
 from railhil.controller_node.export.control import Control, Source
-from railhil.controller_node.laws import is_floating, names
+from railhil.controller_node.laws import is_floating
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option, add_options
@@ -45,20 +45,12 @@ def arguments() -> argparse.ArgumentParser:
             "railhil export-c ipfc_plus yizhuang_05 --arithmetic float32 --out build/float",
         ],
     )
-    own = f"control law: {', '.join(names())}; for another system, one of its laws"
-    parser.add_argument("law", metavar="LAW", help=own)
-    add_option(parser, "scenario", help="shipped name or TOML file: set-points")
-    add_option(parser, "--set")
-    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
+    add_options(parser, "law", "scenario", "--set")
+    add_option(parser, "--out DIR", ", new or empty", required=True, type=Path)
     add_options(parser, "--indexing", "--parameters")
-    number = "iq (fixed point, default where the law has it) or float32"
-    add_option(parser, "--arithmetic", choices=("iq", "float32"), help=number)
-    parser.add_argument(
-        "--fmu",
-        action="store_true",
-        help="write it as a co-simulation FMU too (needs a C compiler and the extra [fmi])",
-    )
-    parser.add_argument("--fmi-version", choices=("2.0", "3.0"), help="of the FMU; default 2.0")
+    add_option(parser, "--arithmetic", choices=("iq", "float32"), usual="iq where the law has it, else float32")
+    add_option(parser, "--fmu", ", built by a C compiler (needs the extra [fmi])")
+    parser.add_argument("--fmi-version", choices=("2.0", "3.0"), help="FMI of the FMU (default: 2.0)")
     listing = "write NAME_c28x.txt too: the law as C28x instructions, and print their cycles beside the estimate"
     parser.add_argument("--c28x", action="store_true", help=listing)
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")

@@ -14,7 +14,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.fault_pairs import pairs
-from railhil.cli.run import add_arguments, law_names, run_spec, run_system
+from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Sentence, describe_os_error
@@ -35,7 +35,7 @@ from railhil.record.run_folder import json_text, remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.given import given_controller
-from railhil.scenarios.options import add_option
+from railhil.scenarios.options import OR_YOURS, add_option
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.study.engines import processes, processors, until_stopped
@@ -54,19 +54,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "entry could be run.",
     )
     add_arguments(parser, bus="local")
-    add_option(
-        parser,
-        "--controller",
-        help=f"of {', '.join(law_names())}, or a controller of yours (default: the system's usual)",
-    )
-    parser.add_argument("--list", action="store_true", help="only list what can be injected, word by word")
-    parser.add_argument("--only", default="", metavar="T1,S,...", help="entries by id, or by its beginning")
+    add_option(parser, "--controller", OR_YOURS)
+    add_option(parser, "--list", " what can be injected, word by word")
+    add_option(parser, "--only", ": entries by id, or by its beginning", default="", metavar="T1,S,...")
     parser.add_argument(
         "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
     )
-    said = "runs at a time with --bus local (default: one for each processor)"
-    add_option(parser, "--jobs", default=processors(), help=said)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="keep the run folders there, one for each entry")
+    add_option(parser, "--jobs", ", with --bus local", default=processors())
+    add_option(parser, "--out DIR", ", a folder for each entry", type=Path, usual="none is kept")
     add_sign_argument(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)

@@ -32,7 +32,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="exit code 1 if a record cannot be used",
         examples=["railhil memory verify memory --scenario yizhuang_stop"],
     )
-    verify.add_argument("--scenario", metavar="SCENARIO", help="also check key and values with the law on this one")
+    add_option(verify, "--scenario", "; key and values are checked with the law there", usual="")
     add_option(verify, "--set")
     export = verbs.add_parser(
         "export",
@@ -40,7 +40,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=["railhil memory export memory --out kept.json"],
     )
     export.add_argument("--slot", choices=sorted(SLOT_FILES), help="this one instead")
-    export.add_argument("--out", type=Path, required=True, metavar="FILE", help="the file to write")
+    add_option(export, "--out FILE", type=Path, required=True)
     for verb in (show, verify, export):
         verb.add_argument("memory", type=Path, metavar="DIR|FILE", help=_PATH)
         add_json_argument(verb)

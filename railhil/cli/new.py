@@ -16,6 +16,7 @@ from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.scenarios.options import add_option
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
@@ -59,19 +60,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="a control law, as a small distribution",
         examples=["railhil new law mylaw", "railhil new law mylaw --out laws/mylaw"],
     )
-    _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)
+    _add(law, "the new law", "DIR", "NAME", _new_law)
     line = kinds.add_parser(
         "line",
         help="a line and a train of your own, as a complete scenario file",
         examples=["railhil new line myline"],
     )
-    _add(line, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_line)
+    _add(line, "the new scenario", "FILE", "NAME.toml", _new_line)
     scenario = kinds.add_parser(
         "scenario",
         help="a scenario file based on another one, with the usual keys",
         examples=["railhil new scenario myrun --extends yizhuang_05"],
     )
-    _add(scenario, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_scenario)
+    _add(scenario, "the new scenario", "FILE", "NAME.toml", _new_scenario)
     scenario.add_argument(
         "--extends", metavar="SCENARIO", default="lvshun_tieshan", help="shipped name or TOML file that it changes"
     )
@@ -80,27 +81,28 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="another kind of train and task, as a small distribution",
         examples=["railhil new system mysystem --law hold"],
     )
-    _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
-    system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
+    _add(system, "the new system", "DIR", "NAME", _new_system)
+    system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default: hold)")
     controller = kinds.add_parser(
         "c-controller",
         help="a controller in C, C++ or Python, as a folder",
         examples=["railhil new c-controller mine", "railhil new c-controller mine --python --scenario hst_short"],
     )
-    _add(controller, "the new controller", "DIR", "folder for its files (default: NAME)", _new_controller)
+    _add(controller, "the new controller", "DIR", "NAME", _new_controller)
     form = controller.add_mutually_exclusive_group()
     form.add_argument("--python", action="store_true", help="in Python, with a test for pytest")
-    form.add_argument("--fmu", action="store_true", help="in C, and make fmu builds it as an FMU (FMI 2.0)")
-    controller.add_argument(
-        "--scenario", metavar="SCENARIO", default=USUAL_SCENARIO, help="shipped name or TOML file: its system and times"
-    )
+    add_option(form, "--fmu", " (FMI 2.0), built by make fmu")
+    add_option(
+        controller, "--scenario", ": its system and times are those of the controller", default=USUAL_SCENARIO,
+        usual=USUAL_SCENARIO,
+    )  # fmt: skip
 
 
 def _add(
-    parser: argparse.ArgumentParser, what: str, kind: str, where: str, work: Callable[[argparse.Namespace], int]
+    parser: argparse.ArgumentParser, what: str, kind: str, usual: str, work: Callable[[argparse.Namespace], int]
 ) -> None:
     parser.add_argument("name", metavar="NAME", help=f"name of {what}")
-    parser.add_argument("--out", type=Path, metavar=kind, help=where)
+    add_option(parser, f"--out {kind}", type=Path, usual=usual)
     add_json_argument(parser)
     parser.set_defaults(work=work)
 

@@ -23,11 +23,10 @@ from railhil.live.sockets import PanelSocket, make_private_socket
 from railhil.run.run import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER
-from railhil.scenarios.options import add_option
+from railhil.scenarios.options import PORT_MAX, add_option, add_options
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import normalise_fault
 
-_PORT_MAX = 65535
 #: A run does not wait longer for its panel; on a busy machine it takes 2 s.
 _READY_S = 5.0
 _END_S = 2.0
@@ -46,34 +45,23 @@ def add_page_argument(parser: argparse.ArgumentParser) -> None:
         "--panel",
         nargs="?",
         const=8765,
-        type=whole_number(0, _PORT_MAX),
+        type=whole_number(0, PORT_MAX),
         metavar="PORT",
-        help="serve a page of the run on 127.0.0.1 (default port 8765; 0: any), see railhil panel",
+        help="TCP port of 127.0.0.1 for a page of the run, see railhil panel (default: 8765; 0: any)",
     )
 
 
 def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of a run with a panel."""
     add_page_argument(parser)
-    parser.add_argument(
-        "--foxglove",
-        type=whole_number(0, _PORT_MAX),
-        metavar="PORT",
-        help="with --panel: serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
-    )
+    add_option(parser, "--foxglove", ", with --panel")
     parser.add_argument(
         "--catalogue",
         action="store_true",
         help="with --panel or --operator: prepare the system's fault catalogue, to be injected during the run",
     )
     parser.add_argument("--wait", action="store_true", help="begin when Start is pressed on the panel")
-    parser.add_argument(
-        "--operator",
-        type=Path,
-        metavar="SOCKET",
-        help="take the orders of railhil panel --operator at this Unix socket",
-    )
-    add_option(parser, ORDER)
+    add_options(parser, "--operator", ORDER)
 
 
 def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:

@@ -11,6 +11,7 @@ from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
 from railhil.record.sampling import drawn_trace
+from railhil.scenarios.options import add_option, add_options
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 #: A curve needs two points.
@@ -20,9 +21,8 @@ _POINTS_MIN = 2
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("plot", examples=["railhil plot runs/mine --out run.png"])
-    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
-    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
-    parser.add_argument("--out", metavar="FILE", help="picture (.svg, .png, .pdf; default: run.svg beside the log)")
+    add_options(parser, "log", "--scenario")
+    add_option(parser, "--out FILE", ", a picture (.svg, .png or .pdf)", usual="run.svg beside the log")
     parser.set_defaults(work=work)
 
 

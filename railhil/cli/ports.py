@@ -15,6 +15,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import given_text, refuse_unreadable, refuse_unwritable, whole_file
 from railhil.dbc import Contract, Port
 from railhil.dbc.text import dbc_text
+from railhil.scenarios.options import add_option
 from railhil.scenarios.system import DEFAULT, system_named
 
 #: Terminal width from which the table has a column with each port's purpose.
@@ -31,11 +32,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil ports --system hst1 --write-dbc hst1.dbc",
         ],
     )
-    parser.add_argument("port", nargs="?", help="port whose layout is wanted")
+    parser.add_argument("port", nargs="?", metavar="PORT", help="port whose layout is wanted")
     said = f"{BITRATE_HELP}, for the load (default: that of the port table)"
     parser.add_argument("-b", "--bitrate", type=int, metavar="BPS", help=said)
-    parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default {DEFAULT})")
-    parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
+    parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default: {DEFAULT})")
+    add_option(parser, "--dbc")
     parser.add_argument("--write-dbc", metavar="FILE", type=Path, help="write the DBC, for cantools and other tools")
     add_json_argument(parser)
     parser.set_defaults(work=work)

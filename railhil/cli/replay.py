@@ -14,7 +14,7 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.record import Record, checked_record
 from railhil.scenarios.given import NamedCode, RecordedController, refuse_beside
-from railhil.scenarios.options import add_controller_fmu_options, add_fmu_options, add_option, named_code
+from railhil.scenarios.options import OR_YOURS, add_controller_fmu_options, add_fmu_options, add_option, named_code
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -29,11 +29,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil replay runs/mine --node plant --port TRN_SPEED",
         ],
     )
-    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
+    add_option(parser, "log")
     parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
-    parser.add_argument("--scenario", help="shipped name or TOML file (default: the run folder's)")
-    add_option(parser, "--controller", help="law of the controller (default: the certificate's)")
-    add_option(parser, "--arithmetic", help="its arithmetic (default: the certificate's)")
+    add_option(parser, "--scenario")
+    add_option(parser, "--controller", OR_YOURS, usual="that of the certificate")
+    add_option(parser, "--arithmetic", usual="that of the certificate")
     parser.add_argument(
         "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
     )

@@ -14,6 +14,7 @@ from railhil.judge.record import checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
 from railhil.report.recorded import check_one_scenario
+from railhil.scenarios.options import add_option
 
 #: The file by which the folder of a campaign is known.
 _CAMPAIGN = "campaign.json"
@@ -28,11 +29,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil report runs/mine runs/other --out both.html",
         ],
     )
-    parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison or of a campaign")
-    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument(
-        "--out", metavar="FILE", help="the report (default: report.html in the folder; for several folders: here)"
+        "folder", nargs="+", metavar="DIR", help="run folder, or the folder of a comparison or of a campaign"
     )
+    add_option(parser, "--scenario")
+    add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
     parser.set_defaults(work=work)
 
 

@@ -26,9 +26,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("rerun", examples=["railhil rerun runs/mine"])
     parser.add_argument("run", help="run folder, or its certificate.json")
-    said = "auto: over a bus, as railhil run (default: local, without -i and the like)"
-    add_option(parser, "--bus", default=None, help=said)
-    parser.add_argument("--out", metavar="DIR", help="folder of the repeated run (default: kept only if it differs)")
+    add_option(parser, "--bus", default=None, usual="local, without -i and the like")
+    add_option(parser, "--out DIR", usual="none, unless the repeated run differs")
     add_code_options(parser)
     add_json_argument(parser)
     add_bus_arguments(parser)

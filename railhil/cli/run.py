@@ -28,6 +28,7 @@ from railhil.scenarios.given import NamedCode, refuse_beside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import (
+    OR_YOURS,
     add_controller_fmu_options,
     add_fmu_options,
     add_law_options,
@@ -62,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto") -> None:
         "--verbose", action="store_true", help="print all assumptions of the scenario, and the time that the end took"
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
-    add_option(parser, "--bus", default=bus)
+    add_option(parser, "--bus", default=bus, usual=bus)
     add_bus_arguments(parser)
 
 
@@ -110,8 +111,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ],
     )
     add_arguments(parser)
-    laws = f"a law ({', '.join(law_names())}; another system has its own)"
-    add_option(parser, "--controller", help=f"{laws}, or a controller of yours (docs/howto/controllers.md)")
+    add_option(parser, "--controller", OR_YOURS)
     add_options(parser, "--parameters", "--memory", "--memory-from")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
@@ -119,7 +119,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_fmu_options(parser)
     add_controller_fmu_options(parser)
-    parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
+    add_option(parser, "--out DIR", usual="runs/<utc>-<scenario>-<controller>")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
         "--rerun-command",
@@ -127,15 +127,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         metavar="TEXT",
         help="--attach: command in certificate.json to repeat the run",
     )
-    parser.add_argument(
-        "--fault-logs",
-        type=Path,
-        metavar="DIR",
-        help="--attach: folder in which the nodes leave the logs of their faults (default: the run folder)",
-    )
+    add_option(parser, "--fault-logs", ", with --attach", usual="the run folder")
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--controller-name", default="", metavar="TEXT", help="--no-controller: name of the controller")
-    parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
+    add_option(parser, "--dbc")
     add_panel_arguments(parser)
     add_sign_argument(parser)
     add_json_argument(parser)

@@ -26,7 +26,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil scenarios yizhuang_05 --set plan.stop_error_max_m=0.3",
         ],
     )
-    parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
+    add_option(parser, "scenario", ", to be checked and described", default=None, usual="all shipped ones are listed")
     add_option(parser, "--set")
     add_json_argument(parser)
     parser.set_defaults(work=work)

@@ -11,6 +11,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.record import checked_record
 from railhil.report.facts import memory_sentence
+from railhil.scenarios.options import add_options
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -22,8 +23,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil score runs/mine --json",
         ],
     )
-    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
-    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
+    add_options(parser, "log", "--scenario")
     add_json_argument(parser)
     parser.set_defaults(work=work)
 

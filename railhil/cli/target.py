@@ -37,10 +37,10 @@ def arguments() -> argparse.ArgumentParser:
         help="an emulated board: image, reference log, a run in the loop",
         examples=["railhil target qemu build/ipfc_plus", "railhil target qemu build/ipfc_plus --board cortex_m3"],
     )
-    qemu.add_argument("folder", metavar="FOLDER", help="an export (railhil export-c) or a C controller")
-    add_option(qemu, "scenario", help="of the run, for which the folder was exported")
+    qemu.add_argument("folder", metavar="DIR", help="an export (railhil export-c) or a C controller")
+    add_option(qemu, "scenario", ", for which the folder was made")
     add_options(qemu, "--set", "--indexing")
-    said = f"{', '.join(shipped_boards())}, or the folder of one such as ./myboard (default {USUAL})"
+    said = f"{', '.join(shipped_boards())}, or the folder of one such as ./myboard (default: {USUAL})"
     qemu.add_argument("--board", default=USUAL, metavar="NAME", help=said)
     return parser
 

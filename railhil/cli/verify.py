@@ -33,7 +33,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=["railhil verify runs/mine", "railhil verify runs/mine --key ~/.ssh/id_ed25519.pub"],
         description="Exit code 0 when every file is as it was written, and signed with --key if that is given; else 1.",
     )
-    parser.add_argument("folder", type=Path, help="folder of a run, a comparison, a campaign, a sequence or faults")
+    parser.add_argument(
+        "folder", type=Path, metavar="DIR", help="folder of a run, a comparison, a campaign, a sequence or faults"
+    )
     parser.add_argument(
         KEY, type=Path, metavar="FILE", help="public SSH key that must have signed, or a file of allowed signers"
     )

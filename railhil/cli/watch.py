@@ -43,12 +43,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Shows the run on the bus until Ctrl-C, or until the hub has gone. Into a file or pipe it writes "
         "one line per simulated second.",
     )
-    parser.add_argument(
-        "scenario",
-        nargs="?",
-        help="what runs there, if it is no shipped one (default: as the plant tells)",
-    )
-    add_option(parser, "--controller", help="the law that runs, whose notes are then named")
+    add_option(parser, "scenario", ", if no shipped one runs there", default=None, usual="as the plant tells")
+    add_option(parser, "--controller", ", whose notes are then named", usual="")
     add_options(parser, "--set", "--fault")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)

@@ -249,5 +249,5 @@ def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, 
         type=whole_number(0, PRIORITY_MAX),
         default=default,
         metavar="N",
-        help=f"SCHED_FIFO priority and locked memory, if permitted; 0: normal scheduling ({said})",
+        help=f"SCHED_FIFO priority and locked memory, if permitted; 0: normal scheduling (default: {said})",
     )

@@ -48,7 +48,7 @@ class FaultOutcome:
         """Reason for which the run proves nothing about the controller; empty if the fault acted, or was left to the
         operator and never ordered."""
         if self.unlogged and not self.hits:
-            options = " and ".join(f"railhil node {node} --fault-log FOLDER" for node in self.unlogged)
+            options = " and ".join(f"railhil node {node} --fault-logs DIR" for node in self.unlogged)
             return f"fault {self.number}: nothing is known of it without {options}: {self.text}"
         if self.begun_s is None:
             return "" if self.by_hand else f"fault {self.number} never began: {self.text}"

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, run_command, whole_number
+from railhil.common.command_line import OneLineParser, run_command, whole_number
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
@@ -18,6 +18,7 @@ from railhil.controller_node.high_speed.network import HIDDEN_MAX
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import checked_record
 from railhil.learning.models import describe_training, render_file, train_models
+from railhil.scenarios.options import add_option
 
 #: Kind on the command line -> law that uses the networks.
 _LAWS = {"elm": "elm_ngpc", "bp": "bp_ngpc", "os_elm": "os_elm_ngpc"}
@@ -54,10 +55,10 @@ def arguments() -> argparse.ArgumentParser:
         description="Train the network of a law for high-speed trains on a recorded run; the file is for --parameters.",
         epilog=_EXIT_CODES,
     )
-    parser.add_argument("record", metavar="RUN", help="run folder, or its frames.log; of a run with dither")
-    parser.add_argument("--kind", choices=tuple(_LAWS), default="elm", help="kind of network (default elm)")
+    add_option(parser, "log", ", of a run with dither")
+    parser.add_argument("--kind", choices=tuple(_LAWS), default="elm", help="kind of network (default: elm)")
     parser.add_argument(
-        "--hidden", type=whole_number(1, HIDDEN_MAX), default=20, metavar="L", help="hidden nodes (default 20)"
+        "--hidden", type=whole_number(1, HIDDEN_MAX), default=20, metavar="L", help="hidden nodes (default: 20)"
     )
     solver = parser.add_mutually_exclusive_group()
     solver.add_argument(
@@ -65,22 +66,20 @@ def arguments() -> argparse.ArgumentParser:
         type=_number(_RIDGE_MAX),
         default=10.0,
         metavar="X",
-        help="weight of the squared output weights in the least squares of an ELM (default 10)",
+        help="weight of the squared output weights in the least squares of an ELM (default: 10)",
     )
     solver.add_argument(
         "--pinv", action="store_true", help="no ridge: the pseudo-inverse, which fits better and controls worse"
     )
-    parser.add_argument(
-        "--seed", type=whole_number(0, SEED_MAX), default=1, metavar="N", help="seed of the hidden layer (default 1)"
-    )
+    add_option(parser, "--seed", ", of the hidden layer", default=1, usual="1")
     parser.add_argument(
         "--period",
         type=_number(_PERIOD_MAX_S),
         default=1.0,
         metavar="S",
-        help="sampling period T0 of the law that will use the network, in s (default 1)",
+        help="sampling period T0 of the law that will use the network, in s (default: 1)",
     )
-    parser.add_argument("--out", metavar="FILE", help="file to write (default <law>_<scenario>.toml)")
+    add_option(parser, "--out FILE", usual="<law>_<scenario>.toml")
     add_json_argument(parser)
     return parser
 
@@ -92,7 +91,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _work(namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
-    record = checked_record(namespace.record, None)
+    record = checked_record(namespace.log, None)
     if record.invalid:
         raise InputError(record.log, "verdict", Words(f"INVALID: {record.invalid}"), "a run that can be trusted")
     if not record.certificate:

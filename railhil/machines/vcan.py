@@ -23,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from railhil.common.command_line import OneLineParser, whole_number
+from railhil.common.command_line import OneLineParser, accept_former_name, whole_number
 from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
 from railhil.machines.vm_image import KINDS, Kind
@@ -47,18 +47,19 @@ def arguments() -> argparse.ArgumentParser:
         "124 after --timeout; 125 when the machine failed; 2 for a wrong command line",
     )
     parser.add_argument("--share", type=Path, action="append", metavar="DIR",
-                        help="virtual machine: folder whose changes are kept (may be given again; default ./runs); "
+                        help="virtual machine: folder whose changes are kept, may be given again (default: ./runs); "
                         "what is written elsewhere is gone afterwards")  # fmt: skip
     parser.add_argument(
-        "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it, default %(default)g"
+        "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it (default: %(default)g s)"
     )
-    parser.add_argument("--memory", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
-                        help="of the virtual machine, default %(default)s")  # fmt: skip
+    parser.add_argument("--ram", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
+                        help="of the virtual machine (default: %(default)s)")  # fmt: skip
+    accept_former_name(parser, "--memory", "--ram")
     parser.add_argument("--processors", type=whole_number(1, 16), default=2, metavar="N",
-                        help="of an emulated machine, default %(default)s; 1 on a busy host")  # fmt: skip
+                        help="of an emulated machine; 1 on a busy host (default: %(default)s)")  # fmt: skip
     parser.add_argument("--interfaces", type=_interfaces, default=("vcan0", "vcan1"), metavar="NAMES",
-                        help="default vcan0,vcan1")  # fmt: skip
-    parser.add_argument("--via", choices=_WAYS, help="this one or none")
+                        help="CAN interfaces of the kernel (default: vcan0,vcan1)")  # fmt: skip
+    parser.add_argument("--via", choices=_WAYS, help="this way or none")
     parser.add_argument("command", nargs="+", help="command and its arguments, after --")
     return parser
 
@@ -126,7 +127,7 @@ def _in_machine(kind: Kind, options: argparse.Namespace, reason: str) -> int:
             environment=_environment(),
             shares=folders,
             timeout_s=options.timeout,
-            memory_mb=options.memory,
+            memory_mb=options.ram,
             processors=options.processors,
         )
 

@@ -6,11 +6,10 @@ import argparse
 
 from railhil.bus.can_settings import add_bus_arguments
 from railhil.common.command_line import OneLineParser, whole_number
-from railhil.scenarios.options import add_option, add_options
+from railhil.scenarios.options import PORT_MAX, add_option, add_options
 
 #: Port of the page unless one is given.
 PORT = 8765
-_PORT_MAX = 65535
 _EXIT_CODES = """\
 exit codes:
   0    the page was served until the end of what it shows
@@ -34,33 +33,26 @@ def arguments() -> argparse.ArgumentParser:
         "what",
         nargs="*",
         default=[],
-        metavar="SCENARIO | RUN",
+        metavar="SCENARIO|RUN",
         help="scenario that runs on the bus, if it is no shipped one (default: as the plant tells), or run folders",
     )
     parser.add_argument(
         "--port",
-        type=whole_number(0, _PORT_MAX),
+        type=whole_number(0, PORT_MAX),
         default=PORT,
         metavar="N",
-        help=f"of the page (default {PORT}; 0: any)",
+        help=f"TCP port of the page (default: {PORT}; 0: any)",
     )
-    parser.add_argument(
-        "--foxglove",
-        type=whole_number(0, _PORT_MAX),
-        metavar="PORT",
-        help="serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
-    )
-    add_option(parser, "--controller", help="the law that runs, whose notes are then named")
+    add_option(parser, "--foxglove")
+    add_option(parser, "--controller", ", whose notes are then named", usual="")
     parser.add_argument("--socket", metavar="PATH", help="listen at this Unix socket instead, for containers")
     parser.add_argument(
         "--public-port",
-        type=whole_number(1, _PORT_MAX),
+        type=whole_number(1, PORT_MAX),
         metavar="N",
         help="with --socket: port of 127.0.0.1 under which it is published",
     )
-    parser.add_argument(
-        "--operator", metavar="SOCKET", help="of railhil run --operator, which takes the orders of the page"
-    )
+    add_option(parser, "--operator")
     parser.add_argument(
         "--follow",
         metavar="RUN",

@@ -258,7 +258,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", " ".join(namespace.what), "one scenario, or run folders")
     named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
-    operator = Operator(namespace.operator) if namespace.operator else None
+    operator = Operator(str(namespace.operator)) if namespace.operator else None
     receiver = _make_receiver(named_bus(namespace), namespace.follow)
     source = LiveRun(RunIdentity(named, namespace.controller), receiver, operator)
     token = secrets.token_urlsafe(16) if operator else ""

@@ -75,24 +75,17 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
         metavar="PAPER",
         help=f"of {', '.join(names)}; without it they are listed",
     )
-    parser.add_argument(
-        "--seeds", type=_seeds, metavar="N,N-N,...", help="seeds of the runs (default: those of the paper's page)"
-    )
-    add_option(parser, "--jobs", default=processors(), help="runs at a time (default: one for each processor)")
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help=f"write {PAGE}, figures (SVG), tables (CSV), results.json"
-    )
+    add_option(parser, "--seeds", " of the runs", type=_seeds, usual="those of the paper's page")
+    add_option(parser, "--jobs", default=processors())
+    add_option(parser, "--out DIR", f": {PAGE}, figures (SVG), tables (CSV), results.json", type=Path)
     parser.add_argument("--keep-runs", action="store_true", help="also keep the run folders, in DIR/runs")
     parser.add_argument(
         "--measured", type=Path, metavar="DIR",
         help="store the figures of each run in DIR, and do not make runs again whose figures are there (by the "
         "same code); the protocol can so be run in pieces",
     )  # fmt: skip
-    parser.add_argument(
-        "--only", metavar="PATTERN",
-        help="make only the runs whose names match (* and ? as in file names); others are read from --measured, or not "
-        "made, which the page says",
-    )  # fmt: skip
+    note = ": runs whose names match (* and ? as in file names); others are read from --measured, or left out, which "
+    add_option(parser, "--only", f"{note}the page says", metavar="PATTERN")
     add_json_argument(parser)
     return parser
 

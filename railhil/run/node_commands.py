@@ -62,7 +62,7 @@ def start_nodes(
     :param pipes: between the nodes, instead of a bus.
     """
     faulty = bool(scenario.faults)
-    logged = ["--fault-log", str(folder)] if faulty else []
+    logged = ["--fault-logs", str(folder)] if faulty else []
     patience = ["--patience", str(run.patience_s)]
     with offer_scenario(scenario) as (words, inherits):
 

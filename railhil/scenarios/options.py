@@ -34,13 +34,18 @@ from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE
 from railhil.scenarios.settings import normalise_fault, normalise_setting
-from railhil.scenarios.system import System
+from railhil.scenarios.system import DEFAULT, System, system_named
 
 if TYPE_CHECKING:
     from railhil.scenarios.memory import Memory
     from railhil.scenarios.parameters import ParameterSet
 
 _JOBS_MAX = 1024
+_RUNS_MAX = 1_000_000
+#: Largest TCP port.
+PORT_MAX = 65535
+#: A parser, or a group of its options.
+Options = argparse._ActionsContainer
 
 
 def _lifeline(text: str) -> tuple[str, int]:
@@ -52,17 +57,26 @@ def _lifeline(text: str) -> tuple[str, int]:
     return node, int(descriptor)
 
 
-def patience_help(awaited: str) -> str:
-    """Help of ``--patience``.
+class _Laws:
+    """Names of the laws of railhil's own system, found when a help is shown: a node does not look for them."""
 
-    :param awaited: the event that the node waits for.
-    """
-    return f"lockstep: wall time for {awaited} when nobody says that its node has ended (default {PATIENCE_S:g} s)"
+    def __str__(self) -> str:
+        return ", ".join(system_named(DEFAULT).law_names())
 
 
-#: Option -> arguments of ``add_argument``.
+#: Help on a controller that a command takes beside laws.
+OR_YOURS = ", or a controller of yours (railhil new c-controller)"
+_OF_THE_SCENARIO = "that of the scenario's system"
+_OF_THE_RECORD = "that of the certificate"
+
+#: Option -> arguments of ``add_argument``. Its help is the same on every command; ``usual`` is the default in words.
 _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
-    "scenario": {"nargs": "?", "default": USUAL_SCENARIO, "help": "shipped name or TOML file"},
+    "scenario": {
+        "nargs": "?", "default": USUAL_SCENARIO, "metavar": "SCENARIO", "help": "shipped name or TOML file",
+        "usual": USUAL_SCENARIO,
+    },
+    "--scenario": {"metavar": "SCENARIO", "help": "shipped name or TOML file", "usual": _OF_THE_RECORD},
+    "log": {"metavar": "RUN", "help": "run folder, or its frames.log or frames.blf"},
     "--set": {
         "type": normalise_setting, "action": "append", "default": [], "metavar": "KEY=VALUE",
         "help": "change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",
@@ -73,58 +87,99 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     },
     FMU_OPTION: {"metavar": "FILE", "help": "this FMU is the controller, native code (needs the extra [fmi])"},
     FMU_MAP_OPTION: {
-        "metavar": "FILE",
-        "help": f"names of its variables (default: FILE of {FMU_OPTION} with .toml, or those of the readings)",
+        "metavar": "FILE", "help": "names of its variables",
+        "usual": f"FILE of {FMU_OPTION} with .toml, or those of the readings",
     },
     # The law, and the way to run it.
-    "--controller": {"metavar": "LAW", "help": "control law (default: that of the system), or a controller of yours"},
-    "--parameters": {"type": Path, "metavar": "FILE", "help": "parameters of the law (default: its own)"},
-    "--arithmetic": {"choices": sorted(ARITHMETICS), "help": "(default: that of the scenario's system)"},
-    "--indexing": {"choices": INDEXINGS, "default": "time", "help": "set-point indexing (default time)"},
+    "law": {"metavar": "LAW", "help": "law of the scenario's system (of ato: %(laws)s)"},
+    "--controller": {
+        "metavar": "LAW", "help": "law of the scenario's system (of ato: %(laws)s)", "usual": _OF_THE_SCENARIO,
+    },
+    "--laws": {
+        "metavar": "A,B,...", "help": f"all, or laws of the scenario's system (of ato: %(laws)s){OR_YOURS}",
+    },
+    "--parameters": {"type": Path, "metavar": "FILE", "help": "parameters of a law", "usual": "its own"},
+    "--arithmetic": {"choices": sorted(ARITHMETICS), "help": "arithmetic of the law", "usual": _OF_THE_SCENARIO},
+    "--indexing": {
+        "choices": INDEXINGS, "default": "time", "help": "set-points over time or distance", "usual": "time",
+    },
     "--task-period-ms": {
         "type": whole_number(0, TASK_PERIOD_MAX_MS), "default": 0, "metavar": "N",
-        "help": "the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
+        "help": "the controller reads its mailboxes every N ms of simulation time only",
+        "usual": "0, each frame at once",
     },
     "--memory": {"metavar": "DIR", "help": "the law's memory: read before and updated after the run"},
-    "--memory-from": {"type": Path, "metavar": "FILE", "help": "begin with this memory, do not update it"},
+    "--memory-from": {"type": Path, "metavar": "FILE", "help": "begin with this memory, which is not changed"},
     # The run.
-    "--seed": {"type": whole_number(0, SEED_MAX), "default": 0, "help": "random seed of the run (default 0)"},
+    "--seed": {
+        "type": whole_number(0, SEED_MAX), "default": 0, "metavar": "N",
+        "help": "random seed (of several runs, of the first)", "usual": "0",
+    },
+    "--seeds": {"metavar": "N,N-N,...", "help": "seeds and ranges of seeds"},
     "--perturbed": {"action": "store_true", "help": "draw parameters from the scenario's distributions"},
     "--run-number": {
         "type": whole_number(1, RUN_NUMBER_MAX), "default": 1, "metavar": "N",
-        "help": "number of the run in the sequence of its seed, for systems that learn from run to run (default 1)",
+        "help": "number of the run in the sequence of its seed, for systems that learn from run to run", "usual": "1",
     },
     "--pace": {
-        "choices": PACES, "default": "lockstep",
-        "help": "as fast as the nodes answer, or by the clock (default lockstep)",
+        "choices": PACES, "default": "lockstep", "help": "as fast as the nodes answer, or by the clock",
+        "usual": "lockstep",
     },
     "--appear-timeout": {
-        "type": seconds, "default": APPEAR_S, "metavar": "S",
-        "help": f"wall time for the other nodes to appear (default {APPEAR_S:g} s)",
+        "type": seconds, "default": APPEAR_S, "metavar": "S", "help": "wall time for the others on the bus to appear",
+        "usual": f"{APPEAR_S:g} s",
     },
-    "--patience": {"type": seconds, "default": PATIENCE_S, "metavar": "S", "help": patience_help("an answer")},
-    "--rate": {"type": rate, "help": f"realtime: simulated seconds per second (default {RATE:g})"},
+    "--patience": {
+        "type": seconds, "default": PATIENCE_S, "metavar": "S", "help": "wall time for an answer",
+        "usual": f"{PATIENCE_S:g} s",
+    },
+    "--rate": {"type": rate, "metavar": "X", "help": "realtime: simulated seconds per second", "usual": f"{RATE:g}"},
     "--bus": {
-        "choices": BUSES, "default": "auto", "help": "local: all nodes in this process, no bus (same record, faster)",
+        "choices": BUSES, "default": "auto",
+        "help": "auto: over a bus; local: all nodes in this process, no bus (same record, faster)", "usual": "auto",
     },
     ORDER: {
         "action": "append", "default": [], "metavar": "TEXT",
         "help": 'an order of an operator, as certificates have them ("75 inject 1"); may be given again',
     },
-    OPTION: {"metavar": "FILE", "help": "simulate the train by this FMU, native code (needs the extra [fmi])"},
+    OPTION: {"metavar": "FILE", "help": "this FMU is the train, native code (needs the extra [fmi])"},
     MAP_OPTION: {
-        "metavar": "FILE", "help": f"names and units of its variables (default: FILE of {OPTION} with .toml)",
+        "metavar": "FILE", "help": "names and units of its variables", "usual": f"FILE of {OPTION} with .toml",
     },
     "--no-rt": {
         "action": "store_true", "help": "realtime: normal scheduling, no locked memory, even where permitted",
     },
+    "--operator": {
+        "type": Path, "metavar": "SOCKET",
+        "help": "Unix socket of the page's orders, the same for railhil run and railhil panel",
+    },
+    "--foxglove": {
+        "type": whole_number(0, PORT_MAX), "metavar": "PORT",
+        "help": "serve Lichtblick, PlotJuggler and Foxglove too, at ws://127.0.0.1:PORT",
+    },
     # Many runs.
+    "--runs": {"type": whole_number(0, _RUNS_MAX), "metavar": "N", "help": "number of runs"},
+    "--sequences": {"metavar": "N", "help": "number of sequences"},
+    "--chunk": {"metavar": "N", "help": "runs or sequences that are made as one part"},
     "--both": {"action": "store_true", "help": "laws with a parameter file also with their own parameters"},
-    "--allow-training-seeds": {"action": "store_true", "help": "judge parameters on runs on which they were tuned"},
-    "--jobs": {"type": whole_number(1, _JOBS_MAX), "metavar": "N", "help": "processes (default: one per core)"},
+    "--allow-training-seeds": {
+        "action": "store_true", "help": "judge parameters also on seeds on which they were tuned or chosen",
+    },
+    "--jobs": {
+        "type": whole_number(1, _JOBS_MAX), "metavar": "N", "help": "processes at a time",
+        "usual": "one for each processor",
+    },
+    "--verify": {"metavar": "DIR", "help": "make some runs of this finished folder again on the bench, and compare"},
     "--no-report": {"action": "store_true", "help": "write no report.html"},
+    # What is written or looked at.
+    "--out DIR": {"metavar": "DIR", "help": "folder of the results"},
+    "--out FILE": {"metavar": "FILE", "help": "file to write"},
+    "--dbc": {"metavar": "FILE", "help": "refuse a DBC that does not describe the telegrams"},
+    "--only": {"help": "make only these"},
+    "--list": {"action": "store_true", "help": "only list"},
+    "--fmu": {"action": "store_true", "help": "also as an FMU"},
     # For the command that starts all nodes.
-    "--fault-log": {"type": Path, "metavar": "FOLDER", "help": "write there what the faults did (the run folder)"},
+    "--fault-logs": {"type": Path, "metavar": "DIR", "help": "folder of the nodes' logs of what their faults did"},
     "--lifeline": {"type": _lifeline, "action": "append", "default": [], "help": argparse.SUPPRESS},
     "--sent-file": {"type": Path, "help": argparse.SUPPRESS},
     SCENARIO_PIPE: {"type": int, "metavar": "DESCRIPTOR", "help": argparse.SUPPRESS},
@@ -135,15 +190,22 @@ _OF_THE_RUN = (
 )  # fmt: skip
 
 
-def add_option(parser: argparse.ArgumentParser, name: str, **changes: Any) -> None:
+def add_option(parser: Options, name: str, note: str = "", **changes: Any) -> None:
     """Add one option.
 
-    :param changes: arguments of ``add_argument`` other than declared.
+    :param note: words after the help, on what this command does with it.
+    :param changes: arguments of ``add_argument`` other than declared, but no other help; ``usual``: the default in
+        words, "" for none.
     """
-    parser.add_argument(name, **{**_DECLARED[name], **changes})
+    declared = {**_DECLARED[name], **changes}
+    usual = declared.pop("usual", "")
+    if declared["help"] != argparse.SUPPRESS:
+        declared["help"] += f"{note}{f' (default: {usual})' if usual else ''}"
+    action = parser.add_argument(name.partition(" ")[0], **declared)
+    action.laws = _Laws()  # type: ignore[attr-defined]
 
 
-def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
+def add_options(parser: Options, *names: str) -> None:
     """Add options as they are declared, in this order."""
     for name in names:
         add_option(parser, name)
@@ -173,7 +235,7 @@ def add_code_options(parser: argparse.ArgumentParser) -> None:
     """Options that name the code of a recorded run again."""
     add_fmu_options(parser)
     add_controller_fmu_options(parser)
-    add_option(parser, "--controller", metavar="CODE", help="the controller of the run, if it was not a law")
+    add_option(parser, "--controller", OR_YOURS, usual=_OF_THE_RECORD)
 
 
 def law_spec(

@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from railhil.batch.nodes import kernel_of, one_by_one
-from railhil.common.command_line import USUAL_SCENARIO, OneLineParser
+from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
@@ -27,20 +27,19 @@ def arguments() -> argparse.ArgumentParser:
         description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
         epilog=exit_codes("workers or scheduler were lost too often"),
     )
-    add_option(parser, "scenario", default=None, help=f"shipped name or TOML file (default {USUAL_SCENARIO})")
+    add_option(parser, "scenario", default=None)
     add_options(parser, "--set", "--fault")
-    add_number(parser, Request, "runs", "runs of each sequence (default {})")
-    add_number(parser, Request, "sequences", "sequences (default {}); --verify: 1")
-    said = f"of the first sequence (default {usual.seed})"
-    add_option(parser, "--seed", default=None, metavar="N", help=said)
-    add_option(parser, "--controller", help="a law with a memory (default: that of the system)")
-    add_option(parser, "--arithmetic", help=f"(default {usual.arithmetic})")
+    add_number(parser, Request, "runs", " of each sequence")
+    add_number(parser, Request, "sequences", "; with --verify 1")
+    add_option(parser, "--seed", default=None, usual=str(usual.seed))
+    add_option(parser, "--controller", ", with a memory")
+    add_option(parser, "--arithmetic", usual=usual.arithmetic)
     add_option(parser, "--indexing", default=None)
     add_option(parser, "--parameters")
     parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
-    add_number(parser, Request, "chunk", "sequences per part (default: as suits the system)")
+    add_number(parser, Request, "chunk", usual="as suits the system")
     add_option(parser, "--jobs")
-    add_folder_arguments(parser, "learn", "sequences of a finished study", with_report=True)
+    add_folder_arguments(parser, "learn", with_report=True)
     return parser
 
 

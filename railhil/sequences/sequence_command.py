@@ -30,7 +30,7 @@ from railhil.record.run_folder import run_folder
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.scenarios.memory_store import read_memory
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.options import add_option
+from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_evidence, run_name
@@ -52,11 +52,10 @@ def arguments() -> argparse.ArgumentParser:
         examples=["railhil sequence run yizhuang_stop --runs 5 --out runs/sequence"],
     )
     add_arguments(run)
-    add_option(run, "--controller", help="a law with a memory (default: that of the system)")
-    add_option(run, "--parameters")
-    add_option(run, "--memory-from", help="begin with this memory (default: none)")
-    run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
-    run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
+    add_option(run, "--controller", ", with a memory")
+    add_options(run, "--parameters", "--memory-from")
+    add_option(run, "--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, usual=str(_RUNS))
+    add_option(run, "--out DIR", usual="runs/<utc>-<scenario>-sequence")
     add_page_argument(run)
     add_sign_argument(run)
     verify = verbs.add_parser(
@@ -71,7 +70,7 @@ def arguments() -> argparse.ArgumentParser:
         examples=["railhil sequence rerun runs/sequence"],
     )
     rerun.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
-    add_option(rerun, "--bus", default=None, help="auto: over a bus (default: local, without -i and the like)")
+    add_option(rerun, "--bus", default=None, usual="local, without -i and the like")
     add_bus_arguments(rerun)
     for verb in (run, verify, rerun):
         add_json_argument(verb)

@@ -45,16 +45,14 @@ exit codes:
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 
 
-def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified: str, with_report: bool) -> None:
+def add_folder_arguments(parser: argparse.ArgumentParser, default: str, with_report: bool) -> None:
     """Options about the folder of a study.
 
     :param default: ending of the default folder.
-    :param verified: the thing that ``--verify`` makes again.
     :param with_report: whether the command itself writes a report.
     """
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
-    said = f"folder (default runs/<utc>-<scenario>-{default}); resumes there"
-    parser.add_argument("--out", metavar="DIR", help=said)
+    add_option(parser, "--out DIR", "; goes on there", usual=f"runs/<utc>-<scenario>-{default}")
     parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
     said = "make every N-th part from the K-th on; any number of processes and machines make the others"
     parser.add_argument("--shard", type=Shard.parse, metavar="K/N", help=said)
@@ -64,23 +62,22 @@ def add_folder_arguments(parser: argparse.ArgumentParser, default: str, verified
         parser.set_defaults(no_report=True)
     add_sign_argument(parser)
     add_json_argument(parser)
-    parser.add_argument("--verify", metavar="DIR", help=f"run some {verified} again on the bench")
+    add_option(parser, "--verify")
     parser.add_argument(
-        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which ones (default 0)"
+        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which ones (default: 0)"
     )
 
 
-def add_number(parser: argparse.ArgumentParser, request: type[Any], name: str, said: str, option: str = "") -> None:
-    """An option for a number of the requests: its bounds are those of the field.
+def add_number(parser: argparse.ArgumentParser, request: type[Any], name: str, note: str = "", **changes: Any) -> None:
+    """An option for a number of the requests: its bounds and its default are those of the field.
 
-    :param said: the help; ``{}`` stands for the usual value.
-    :param option: if it has another name than the field.
+    :param note: as in :func:`railhil.scenarios.options.add_option`; so are ``changes``.
     """
-    option = option or f"--{name.replace('_', '-')}"
+    option = f"--{_ATTRIBUTE.get(name, name)}"
     (declared,) = get_type_hints(request, include_extras=True)[name].__metadata__
     low, high = (bound for one in declared.metadata for bound in asdict(one).values())
-    usual = getattr(request(), name)
-    parser.add_argument(option, type=whole_number(low, high), metavar="N", help=said.format(usual))
+    as_given = {"type": whole_number(low, high), "default": None, "usual": str(getattr(request(), name))}
+    add_option(parser, option, note, **{**as_given, **changes})
 
 
 def _given(request: Any, namespace: argparse.Namespace) -> dict[str, Any]:

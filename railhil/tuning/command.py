@@ -20,7 +20,6 @@ from railhil.scenarios.options import add_option
 
 #: Evaluations of a search, at least two generations of the smallest population.
 _BUDGET_MIN, _BUDGET_MAX = 10, 1_000_000
-_RUNS_MAX = 1_000_000
 _SEEDS_MAX = 10_000
 DEFAULT_SCENARIO = USUAL_SCENARIO
 _EXIT_CODES = """\
@@ -76,53 +75,30 @@ def arguments() -> argparse.ArgumentParser:
         description="Tune the parameters of a law on training runs, then compare them with its own on other runs.",
         epilog=_EXIT_CODES,
     )
-    known = f"control law of the scenario's system (of {DEFAULT_SCENARIO}: {', '.join(laws())})"
-    parser.add_argument("law", nargs="?", metavar="LAW", help=known)
-    parser.add_argument(
-        "scenario", nargs="?", metavar="SCENARIO", help=f"shipped name or TOML file (default {DEFAULT_SCENARIO})"
-    )
+    add_option(parser, "law", nargs="?")
+    add_option(parser, "scenario", default=None)
     add_option(parser, "--set")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--evaluate", metavar="FILE", help="no search: compare this file with the law's own parameters")
-    what.add_argument("--list", action="store_true", help="no search: shipped parameter files and their paths")
-    parser.add_argument("--out", metavar="FILE", help="parameter file to write (default <law>_<scenario>.toml)")
+    add_option(what, "--list", " shipped parameter files and their paths, no search")
+    add_option(parser, "--out FILE", ", with parameters", usual="<law>_<scenario>.toml")
     parser.add_argument(
         "--budget",
         type=whole_number(_BUDGET_MIN, _BUDGET_MAX),
         default=800,
         metavar="N",
-        help="candidates to judge, each on all training runs (default 800)",
+        help="candidates to judge, each on all training runs (default: 800)",
     )
+    add_option(parser, "--seeds", " of the training", type=_training_seeds, default=_training_seeds("0-7"), usual="0-7")
     parser.add_argument(
-        "--seeds",
-        type=_training_seeds,
-        default=_training_seeds("0-7"),
-        metavar="A-B,C",
-        help="training runs (default 0-7)",
-    )
-    parser.add_argument(
-        "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default 0)"
+        "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default: 0)"
     )
     add_option(parser, "--indexing")
-    parser.add_argument(
-        "--runs",
-        type=whole_number(0, _RUNS_MAX),
-        default=200,
-        metavar="N",
-        help="runs of the evaluation (default 200, 0 leaves it out)",
-    )
-    parser.add_argument(
-        "--seed",
-        dest="first_seed",
-        type=whole_number(0, SEED_MAX),
-        default=1000,
-        metavar="N",
-        help="first seed of the evaluation (default 1000)",
-    )
+    add_option(parser, "--runs", " of the evaluation; 0: none", default=200, usual="200")
+    add_option(parser, "--seed", ", of the evaluation", dest="first_seed", default=1000, usual="1000")
     accept_former_name(parser, "--first-seed", "--seed")
-    add_option(parser, "--arithmetic", default="float64", help="of the evaluation (default float64)")
-    said = "also evaluate on training seeds; the table then says so"
-    add_option(parser, "--allow-training-seeds", help=said)
+    add_option(parser, "--arithmetic", ", in the evaluation", default="float64", usual="float64")
+    add_option(parser, "--allow-training-seeds", "; every table then says so")
     add_json_argument(parser)
     return parser
 

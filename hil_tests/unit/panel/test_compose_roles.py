@@ -77,8 +77,8 @@ def test_the_compose_file_tells_all_roles_of_the_panel() -> None:
 @pytest.mark.parametrize(
     ("role", "names", "logs"),
     [
-        ("plant", {"PROFILES": "panel", "WAIT": "1"}, "--fault-log"),
-        ("controller", {"PROFILES": "panel", "PACE": "realtime"}, "--fault-log"),
+        ("plant", {"PROFILES": "panel", "WAIT": "1"}, "--fault-logs"),
+        ("controller", {"PROFILES": "panel", "PACE": "realtime"}, "--fault-logs"),
         ("supervisor", {"PROFILES": "panel", "PACE": "realtime"}, "--fault-logs"),
         ("supervisor", {"PROFILES": "panel"}, ""),
         ("supervisor", {"PACE": "realtime"}, ""),
@@ -89,7 +89,7 @@ def test_the_nodes_and_the_supervisor_prepare_the_same_faults(
 ) -> None:
     words = words_of(role, tmp_path, **names)
     assert [after for word, after in pairwise(words) if word == "--fault"] == ([EMERGENCY] if logs else [])
-    assert [word for word in words if word.startswith("--fault-log")] == ([logs] if logs else [])
+    assert [word for word in words if word.startswith("--fault-logs")] == ([logs] if logs else [])
     # Its random numbers are those of the run.
     assert "--seed" in words or role != "controller"
 
