@@ -8,15 +8,19 @@ RUN python3 -m venv /opt/railhil
 WORKDIR /src
 # Dependencies before sources: a change of code does not fetch them again.
 COPY pyproject.toml ./
-RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-extras = p["optional-dependencies"]; \
-print("\n".join(p["dependencies"] + extras["report"] + extras["campaign"] + extras["panel"]))' >/requirements.txt \
+# What a run, its report and its panel need. "report panel campaign" adds numba (LLVM) and Arrow, 350 MB.
+ARG EXTRAS="report panel"
+RUN python3 -c 'import sys, tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+print("\n".join(p["dependencies"] + [one for name in sys.argv[1:] for one in p["optional-dependencies"][name]]))' \
+        $EXTRAS >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
 # 1: the modules of setup.py compiled for the processor of the image, some minutes.
 ARG RAILHIL_COMPILED=0
 RUN if [ "$RAILHIL_COMPILED" != 0 ]; then \
     apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev python3-dev; fi
 COPY . ./
+# The commit, which an image cannot ask of git (docs/howto/release.md).
+ARG RAILHIL_LABEL=+unknown
 # Not used at run time, a third of the size: pip itself, the libraries' own test suites, and the files for compilers and
 # type checkers.
 RUN /opt/railhil/bin/pip install --no-cache-dir --no-deps . \

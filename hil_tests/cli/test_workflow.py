@@ -50,10 +50,20 @@ def make_targets() -> set[str]:
     return set(re.findall(r"\bmake ([a-z.][\w./-]*)", "\n".join(lines)))
 
 
-def test_schema_of_github():
-    files = [str(_FOLDER / name) for name in _WORKFLOWS]
+@pytest.mark.parametrize(
+    ("schema", "pattern"),
+    [
+        ("github-workflows", ".github/workflows/*.yml"),
+        ("github-issue-forms", ".github/ISSUE_TEMPLATE/[!c]*.yml"),
+        ("github-issue-config", ".github/ISSUE_TEMPLATE/config.yml"),
+        ("citation-file-format", "CITATION.cff"),
+    ],
+)
+def test_schema_of_what_the_hosting_service_reads(schema: str, pattern: str) -> None:
+    files = [str(path) for path in ROOT.glob(pattern)]
+    assert files
     done = subprocess.run(
-        [sys.executable, "-m", "check_jsonschema", "--builtin-schema", "vendor.github-workflows", *files],
+        [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.{schema}", *files],
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
@@ -123,6 +133,32 @@ def test_bench_step_fails_when_the_run_does(tmp_path, name, value):
     assert not (tmp_path / "broken").exists()
 
 
+def test_page_of_a_release_is_the_part_of_the_changelog(tmp_path: Path) -> None:
+    (step,) = (step for step in steps("release.yml") if step.get("name") == "The page of the release")
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    for name, text in {"gh": '#!/bin/sh\necho "$@" >words\n', "step.sh": step["run"]}.items():
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    (tmp_path / "CHANGELOG.md").write_text(text)
+    subprocess.run(
+        [*_BASH, "step.sh"], cwd=tmp_path, timeout=60, check=True,
+        env={"PATH": f"{tmp_path}:{os.environ['PATH']}", "GITHUB_REF_NAME": f"v{version}"},
+    )  # fmt: skip
+    notes = (tmp_path / "notes.md").read_text()
+    assert re.search(rf"^## \[{re.escape(version)}\].*\n{re.escape(notes)}(## |\Z)", text, re.M)
+    assert f"create v{version} " in (tmp_path / "words").read_text()
+
+
+def test_version_is_one_in_every_file_that_states_it() -> None:
+    """pyproject.toml is the source; a release has a date."""
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == version
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\n## [{version}] - {cited['date-released']}\n" in changes
+
+
 # -- what pip installs there -------------------------------------------------------------------------------------------
 
 
@@ -174,7 +210,7 @@ def test_the_workflows_install_nothing_without_a_hash() -> None:
         assert text.index("make locked") < re.search(r"make (lint|test)[\w-]*", text).start()  # type: ignore[union-attr]
         assert "pip install" not in text
     lines = [line.strip() for text in scripts() for line in text.splitlines() if "pip install" in line]
-    assert len(lines) == 3
-    assert ["--require-hashes" in line or "--no-deps" in line or '"$INSTALL"' in line for line in lines] == [True] * 3
+    assert len(lines) == 4
+    assert ["--require-hashes" in line or "--no-deps" in line or '"$INSTALL"' in line for line in lines] == [True] * 4
     done = subprocess.run(["make", "-n", "locked"], cwd=ROOT, capture_output=True, text=True, timeout=30, check=True)
     assert "--require-hashes" in done.stdout

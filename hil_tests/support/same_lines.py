@@ -20,12 +20,23 @@ FRAMES_SHA256 = ROOT / "hil_tests" / "data" / "frames_sha256.txt"
 
 def wheel(folder: Path, variables: dict[str, str] | None = None) -> Path:
     """A wheel of what is committed here, built with these variables into the empty ``folder``."""
-    words = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(folder), "."]
+    words = ["-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(folder), "."]
+    return _built(words, folder, variables)
+
+
+def source_archive(folder: Path) -> Path:
+    """The source archive of what is committed here, made in the empty ``folder``."""
+    return _built(["-c", f"from setuptools import build_meta; build_meta.build_sdist({str(folder)!r})"], folder, None)
+
+
+def _built(words: list[str], folder: Path, variables: dict[str, str] | None) -> Path:
+    """The one file that Python, started with these words in a clone, leaves in the folder."""
     # setuptools leaves what it has compiled beside the sources.
     with tempfile.TemporaryDirectory() as scratch:
         debian.run_tool(["git", "clone", "-q", str(ROOT), scratch])
-        debian.run_tool(words, cwd=Path(scratch), environment_too=variables)
-    return next(folder.glob("*.whl"))
+        debian.run_tool([sys.executable, *words], cwd=Path(scratch), environment_too=variables)
+    (built,) = folder.iterdir()
+    return built
 
 
 def known_hashes() -> dict[str, str]:
