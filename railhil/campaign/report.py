@@ -25,9 +25,10 @@ from railhil.study.manifest import Manifest, read_manifest
 _AGAIN = "worst"
 
 
-def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) -> str:
+def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, railhil: str) -> str:
     """The report as one HTML document.
 
+    :param railhil: the version that has begun the campaign.
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
@@ -35,6 +36,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) 
         summary=summary,
         title=plan.scenario.title,
         asked=plan.judging.asked(plan.scenario),
+        railhil=railhil,
         columns=plan.criteria,
         rows=[_row(plan, label, law) for label, law in summary["laws"].items()],
         worst=[_worst(label, run, folder) for label, law in summary["laws"].items() for run in law["worst"]],
@@ -94,6 +96,6 @@ def report_of(folder: Path, out: Path) -> None:
     told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)
     if told != sha256:
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
-    text = page(plan, summary, table, folder)
+    text = page(plan, summary, table, folder, begun.railhil)
     with listed_file(out) as draft:
         draft.write_text(text, encoding="utf-8")

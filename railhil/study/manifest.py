@@ -27,10 +27,12 @@ _LATER = ("settings",)
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """An existing study: its identity (:attr:`~railhil.study.plan.AnyPlan.identity`) and its request."""
+    """An existing study: its identity (:attr:`~railhil.study.plan.AnyPlan.identity`), its request, and the version of
+    railhil with which it was begun."""
 
     identity: dict[str, Any]
     request: Any
+    railhil: str
 
 
 def _model_of(request: type[Any]) -> type[BaseModel]:
@@ -65,11 +67,12 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", document.get("format", Words()), allowed)
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (_model_of(study.request), ...)}
+    fields["railhil"] = (str, ...)
     # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
     file = validate(model, document, lambda keys: path)
     check_document(folder, study.manifest, document)
-    return Manifest(getattr(file, study.kind), _request_of(study, file.request))
+    return Manifest(getattr(file, study.kind), _request_of(study, file.request), file.railhil)
 
 
 def _request_of(study: Study[P, C], read: BaseModel) -> Any:

@@ -80,7 +80,7 @@ def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, word
     [
         (b"\xff\xfe", "campaign.json: is not UTF-8"),
         (b'{"format": 1, "campaign": [], "request": {}}', "campaign.json: campaign: found [], allowed a table"),
-        (b'{"format": 1, "campaign": {}}', "campaign.json: request: missing, expected a value"),
+        (b'{"format": 1, "railhil": "0.2.0", "campaign": {}}', "campaign.json: request: missing, expected a value"),
         (
             b'{"format": 1, "campaign": {}, "request": {}}',
             "campaign.json: request.scenario, request.runs, request.first_seed, ",
