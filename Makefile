@@ -120,8 +120,8 @@ lint: $(VENV)/.installed-dev  ## ruff, mypy, import contracts
 	cd build/tree && $(abspath $(BIN))/lint-imports ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
 # The checks of a release (docs/howto/release.md): all tests, every mutant of the code that judges, moves and protects
-# (hil_tests/mutation/targets.toml), then its pure wheel; hours.
-release: test  ## all tests, mutants and the wheel; hours
+# (hil_tests/mutation/targets.toml), then wheel and source archive; hours.
+release: test  ## all tests, mutants, wheel and source archive; hours
 	@$(MAKE) --no-print-directory test-long
 	@$(MAKE) --no-print-directory test-builds
 	@$(BIN)/python -m hil_tests.mutation
