@@ -1,4 +1,4 @@
-"""Figures of docs/howto/tuning.md."""
+"""Figures of docs/reference/tuned_parameters.md."""
 
 from __future__ import annotations
 
