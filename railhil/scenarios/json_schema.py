@@ -25,6 +25,11 @@ def scenario_json_schema() -> dict[str, Any]:
     schema = file_type().model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["properties"]["extends"] = {"type": "string", "description": "scenario that this one changes"}
+    schema["properties"]["without"] = {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "keys of that scenario that this one does not inherit, such as watch.hold_ms",
+    }
     train = schema["properties"]["train"]
     train["anyOf"] = train.pop("oneOf")
     for table in (schema, *schema["$defs"].values()):

@@ -1,8 +1,8 @@
 """Reads scenario files with their references, and determines which file gives each value.
 
-A scenario may ``extends`` another scenario, and its ``[train]``, ``[line]`` and ``[target]`` may name a
-``file``. Each of these is a layer; a key in a higher layer takes precedence, tables are merged key by key, arrays are
-replaced as a whole.
+A scenario may ``extends`` another scenario, ``without`` some of its keys, and its ``[train]``, ``[line]`` and
+``[target]`` may name a ``file``. Each of these is a layer; a key in a higher layer takes precedence, tables are merged
+key by key, arrays are replaced as a whole.
 
 Published results and sentences about chosen values belong to the file that gives them. If the run is another one, the
 results are left out. If a file above it, or ``--set``, gives other values, the sentences name their file.
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -47,6 +47,15 @@ _EXPLAINING = (*_KEPT, "assumptions", "published")
 Without = tuple[Path, tuple[str, ...]]
 
 
+@dataclass(slots=True)
+class _Dropped:
+    """A key that is not inherited: the file that says so, its place in the stack, whether a lower file has the key."""
+
+    file: Path
+    place: int
+    given: bool = False
+
+
 class Layers:
     """The files of one scenario, highest priority first, each with the part that it supplies.
 
@@ -73,6 +82,8 @@ class Layers:
         #: Section of which a lower file gives something that is not inherited -> place of the file that replaces it.
         self._replaced: dict[str, int] = {}
         self._target_made_anew: int | None = None
+        #: Keys that are not inherited.
+        self._dropped: dict[tuple[str, ...], _Dropped] = {}
         if settings:
             self._add_scenario(SET, self._leave_out(SET, layer(settings)))
         self._read_scenario(path)
@@ -125,6 +136,7 @@ class Layers:
         place = self.place(*keys)
         above, below = _merge(self._stack[:place]), _merge(self._stack[place:])
         other: list[tuple[str, ...]] = [(section,) for section, by in self._replaced.items() if by < place]
+        other += [keys for keys, dropped in self._dropped.items() if dropped.place < place]
         for leaf in _leaves(above):
             explains = leaf[0] in _EXPLAINING or leaf[-1] == "assumptions"
             if explains or (leaf[0],) in other or _depth(below, leaf) < len(leaf):
@@ -142,12 +154,29 @@ class Layers:
     def _read_scenario(self, path: Path) -> None:
         for _ in range(_CHAIN_MAX):
             table = self._leave_out(path, read_toml(path))
-            base = table.pop("extends", None)
+            base, without = table.pop("extends", None), table.pop("without", None)
             self._add_scenario(path, table)
+            if without is not None:
+                self._drop(path, base, without)
             if base is None:
+                self._check_dropped()
                 return
             path = self._reference(path, "extends", base, DATA / "runs")
         raise InputError(path, "extends", Words("makes the chain longer"), f"at most {_CHAIN_MAX} files in a chain")
+
+    def _drop(self, path: Path, base: object, without: object) -> None:
+        """Note the keys that a file does not inherit."""
+        if not isinstance(without, list) or not all(isinstance(key, str) and key for key in without):
+            raise InputError(path, "without", without, 'an array of keys of the base, such as ["plan.overtime_max_s"]')
+        if base is None:
+            raise InputError(path, "without", without, "only beside extends, whose keys it leaves out")
+        for key in without:
+            self._dropped.setdefault(tuple(key.split(".")), _Dropped(path, len(self._stack) - 1))
+
+    def _check_dropped(self) -> None:
+        for keys, dropped in self._dropped.items():
+            if not dropped.given:
+                raise InputError(dropped.file, "without", ".".join(keys), "a key that the extended scenario gives")
 
     def _leave_out(self, path: Path, table: Table) -> Table:
         """The content of a scenario file without the key that is left out."""
@@ -167,6 +196,7 @@ class Layers:
         for section in self._closed:
             if table.pop(section, None):
                 self._replaced.setdefault(section, self._closed[section])
+        self._remove_dropped(table)
         self._stack.append((path, table))
         for section, folder in _FOLDERS.items():
             inner = table.get(section)
@@ -182,9 +212,18 @@ class Layers:
             if "file" in inner:
                 there = self._reference(path, f"{section}.file", inner.pop("file"), DATA / folder)
                 referred = read_toml(there)
+                lower = {section: referred}
+                self._remove_dropped(lower)
                 _resolve_foreign(there, section, referred)
                 self._drop_nodes(section, referred)
-                self._stack.append((there, {section: referred}))
+                self._stack.append((there, lower))
+
+    def _remove_dropped(self, table: Table) -> None:
+        """Remove the keys that a file above does not inherit."""
+        for keys, dropped in self._dropped.items():
+            if _depth(table, keys) == len(keys):
+                dropped.given = True
+                del _get_value(table, keys[:-1])[keys[-1]]
 
     def _drop_nodes(self, section: str, table: Table) -> None:
         """If a file only tells how to generate the target, ignore nodes of the files below it."""
@@ -258,7 +297,7 @@ def _merge(stack: Sequence[tuple[Path, Table]]) -> Table:
     return result
 
 
-def _get_value(table: Any, keys: tuple[str, ...]) -> object:
+def _get_value(table: Any, keys: tuple[str, ...]) -> Any:
     for key in keys:
         table = table[key]
     return table

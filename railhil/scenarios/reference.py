@@ -21,8 +21,8 @@ _HEAD = """\
 
 Written by `python -m railhil.scenarios.reference` from the schema that checks the files. Keys are written as for
 `--set` ([scenarios](../howto/scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. In
-addition, a file may contain `extends`, and `[train]`, `[line]` and `[target]` may contain `file`. A `required` key must
-be given by the file or by a file that it is based on.
+addition, a file may contain `extends` and `without`, and `[train]`, `[line]` and `[target]` may contain `file`
+([rules](scenario_files.md)). A `required` key must be given by the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 

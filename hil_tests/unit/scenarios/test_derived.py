@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -91,6 +93,52 @@ def test_a_complete_section_inherits_nothing(tmp_path: Path) -> None:
     assert own.train.traction.power_max_w is None, "2550 kW are those of the train of the base"
     assert not said_of(own, "train: ")
     assert {*COMPLETE["train"]} == {key for key, field in TrainTable.model_fields.items() if field.is_required()}
+
+
+def extended(path: Path, without: str, rest: str = "", base: str = "yizhuang_05") -> Path:
+    head = f'schema_version = 1\nname = "mine"\ntitle = "t"\nextends = "{base}"\nwithout = {without}\n'
+    path.write_text(head + rest, encoding="utf-8")
+    return path
+
+
+def test_a_key_can_be_left_out_of_what_is_inherited(tmp_path: Path) -> None:
+    """From the base, from its base and from a file that it names; the file's own value of the key stays."""
+    base = load("yizhuang_05")
+    keys = '["plan.running_time_s", "perturbations.wheel_factor", "line.balises_before_stop_m", "energy"]'
+    rest = "[target.generate]\n[plan]\nrunning_time_reserve_percent = 10\n[energy]\nxi_m = 0.9\n"
+    path = extended(tmp_path / "mine.toml", keys, rest)
+    found = load(path)
+    assert base.perturbations.wheel_factor is not None
+    assert replace(found.perturbations, wheel_factor=base.perturbations.wheel_factor) == base.perturbations
+    assert found.perturbations.wheel_factor is None
+    assert found.line.balises == ()
+    assert found.plan.running_time_s > base.plan.running_time_s
+    assert found.energy.xi_m == 0.9
+    assert said_of(found, "changed here: ")
+    again = extended(tmp_path / "again.toml", '["energy.xi_m"]', base="mine.toml")
+    assert load(again).energy.xi_m == 0.88
+    assert load(again).perturbations == found.perturbations
+
+
+@pytest.mark.parametrize(
+    ("without", "words"),
+    [
+        ('["perturbations.wheel"]', "without: found 'perturbations.wheel', allowed a key that the extended"),
+        ("3", "without: found 3, allowed an array of keys"),
+        ('[""]', "without: found ['"),
+        ('["plan"]', "plan.distance_m, plan.stop_error_max_m, plan.time_error_max_s: missing"),
+    ],
+)
+def test_what_cannot_be_left_out_is_one_line(without: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        load(extended(tmp_path / "mine.toml", without, "[plan]\nrunning_time_s = 94\n"))
+
+
+def test_without_needs_a_base(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('without = ["plan"]\n', encoding="utf-8")
+    with pytest.raises(InputError, match="only beside extends"):
+        load(path)
 
 
 def test_balises_behind_the_stop_of_a_shorter_run_are_said() -> None:
