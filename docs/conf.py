@@ -11,13 +11,18 @@ from sphinx.application import Sphinx
 
 project = "railhil"
 author = "The railhil authors"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 html_theme = "furo"
 html_title = "railhil"
+html_static_path = ["_static"]
+html_js_files = ["site.js"]
 html_copy_source = False
 html_show_copyright = False
 # The excerpt of a found page is fetched from it, which browsers refuse for files.
 html_show_search_summary = False
+# Names as users import them.
+add_module_names = False
+autodoc_member_order = "bysource"
 # As GitHub names them: every heading can be the target of a link.
 myst_heading_anchors = 6
 

@@ -1,6 +1,7 @@
 """``python -m hil_tests.documents.site [FOLDER]`` (``make docs``): the site of all pages, in build/site.
 
-Its sources are copies of the pages of docs, in ``build/site_pages``. Each kind of page has an index, in which the pages
+Its sources are copies of the pages of docs, and those of :mod:`hil_tests.documents.made_pages`, in
+``build/site_pages``. Each kind of page has an index, in which the pages
 to which docs/index.md links come first, in its order. Each broken link is an error.
 """
 
@@ -15,6 +16,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from hil_tests.documents.made_pages import made_pages
 from hil_tests.documents.pages import FOLDERS
 from hil_tests.support.paths import ROOT
 from hil_tests.support.venvs import project
@@ -36,14 +38,18 @@ _LINK = re.compile(r"\]\(([^)#\s]+\.md)")
 _OUTSIDE = re.compile(r"\]\(((?:\.\./)+[^)#\s]+)")
 
 
-def lay_out(docs: Path, pages: Path) -> None:
+def lay_out(docs: Path, pages: Path, made: Mapping[str, str]) -> None:
     """Write the sources of the site into an empty folder.
 
     :param docs: the folder of the pages.
+    :param made: further pages, by their path below docs.
     """
-    shutil.copytree(docs, pages, ignore=shutil.ignore_patterns("conf.py", "__pycache__"))
+    shutil.copytree(docs, pages, ignore=shutil.ignore_patterns("conf.py", "_static", "__pycache__"))
     for page in pages.rglob("*.md"):
         page.write_text(_with_addresses(page.read_text("utf-8"), docs / page.relative_to(pages)), "utf-8")
+    for name, text in made.items():
+        (pages / name).parent.mkdir(parents=True, exist_ok=True)
+        (pages / name).write_text(text, "utf-8")
     entrance = pages / "index.md"
     text = entrance.read_text("utf-8")
     first = {name: place for place, name in reversed(list(enumerate(_LINK.findall(text))))}
@@ -52,7 +58,11 @@ def lay_out(docs: Path, pages: Path) -> None:
         return first.get(name, sys.maxsize), _title(pages / name)
 
     for kind in FOLDERS:
-        found = [*(pages / kind).rglob("*.md"), *(pages.glob(_WRITTEN) if kind == "reference" else ())]
+        found = [
+            *(pages / kind).glob("*.md"),
+            *(pages / kind).glob("*.rst"),
+            *(pages.glob(_WRITTEN) if kind == "reference" else ()),
+        ]
         order = sorted((page.relative_to(pages).as_posix() for page in found), key=place_of)
         (pages / kind).mkdir(exist_ok=True)
         title, what = KINDS[kind]
@@ -74,23 +84,24 @@ def _with_addresses(text: str, page: Path) -> str:
 
 
 def _title(page: Path) -> str:
-    return next(line for line in page.read_text("utf-8").splitlines() if line.startswith("# ")).lower()
+    return page.read_text("utf-8").partition("\n")[0].removeprefix("# ").lower()
 
 
 def _toctree(names: Sequence[str], option: str = ":maxdepth: 1") -> str:
-    lines = "\n".join(f"/{name.removesuffix('.md')}" for name in names)
+    lines = "\n".join(f"/{name.rpartition('.')[0]}" for name in names)
     return f"```{{toctree}}\n{option}\n\n{lines}\n```\n"
 
 
-def build(site: Path, pages: Path, docs: Path = DOCS) -> int:
+def build(site: Path, pages: Path, docs: Path, made: Mapping[str, str]) -> int:
     """Make the site anew; returns 0, or what Sphinx returns if a page has a fault.
 
     :param site: its folder.
     :param pages: the folder of its sources; parsed pages are kept beside it.
+    :param docs: the folder of the pages, to which those of ``made`` are added, by their path below docs.
     """
     for folder in (site, pages):
         shutil.rmtree(folder, ignore_errors=True)
-    lay_out(docs, pages)
+    lay_out(docs, pages, made)
     parsed = pages.with_name(f"{pages.name}_parsed")
     words = ["-q", "-W", "--keep-going", "-E", "-j", "auto", "-c", DOCS, "-d", parsed, pages, site]
     return subprocess.run([sys.executable, "-m", "sphinx", *words], check=False).returncode
@@ -101,7 +112,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m hil_tests.documents.site")
     parser.add_argument("folder", nargs="?", type=Path, default=SITE, metavar="FOLDER", help="of the site (build/site)")
     folder = parser.parse_args().folder
-    code = build(folder, PAGES)
+    code = build(folder, PAGES, DOCS, made_pages())
     print(folder / "index.html" if code == 0 else "the site has faults; see above", flush=True)
     return code
 

@@ -10,8 +10,10 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from hil_tests.documents.site import build
+from hil_tests.documents.made_pages import made_pages
+from hil_tests.documents.site import DOCS, build
 from hil_tests.support.browser import browser
+from railhil.cli.commands import GROUPS
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 #: One page of each kind that differs in how it looks.
@@ -19,9 +21,10 @@ LOOKED_AT = (
     "index.html",
     "howto/testing.html",
     "explanation/bench.html",
-    "reference/scenario_keys.html",
-    "reference/index.html",
+    "reference/commands/run.html",
+    "reference/faults.html",
 )
+WIDTHS_PX = (400, 1200)
 
 
 class _Targets(HTMLParser):
@@ -46,7 +49,7 @@ class _Targets(HTMLParser):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    assert build(folder / "site", folder / "pages") == 0
+    assert build(folder / "site", folder / "pages", DOCS, made_pages()) == 0
     return folder / "site"
 
 
@@ -83,10 +86,20 @@ def test_a_link_that_leads_nowhere_is_an_error(tmp_path: Path, link: str, capfd:
     (docs / "howto").mkdir(parents=True)
     (docs / "howto" / "task.md").write_text("# A task\n", encoding="utf-8")
     (docs / "index.md").write_text(f"# The entrance\n\n[there]({link}) and [a task](howto/task.md#a-task)\n", "utf-8")
-    assert build(tmp_path / "site", tmp_path / "pages", docs) == 1
+    assert build(tmp_path / "site", tmp_path / "pages", docs, {}) == 1
     said = capfd.readouterr().err
     assert "index.md:3" in said
     assert link.rpartition("#")[2] in said
+
+
+def test_commands_and_the_library_are_pages_of_the_site(site: Path) -> None:
+    """With an anchor for each option, and for each name of the library."""
+    places = _Targets(site / "reference" / "commands" / "run.html").places
+    assert {"cmdoption-railhil-run-seed", "cmdoption-railhil-run-controller"} <= places
+    commands = [name for group in GROUPS.values() for name in group]
+    assert [name for name in commands if not (site / "reference" / "commands" / f"{name}.html").exists()] == []
+    places = _Targets(site / "reference" / "api.html").places
+    assert {"railhil.library.run", "railhil.library.campaign", "railhil.testing.bench.Bench"} <= places
 
 
 @pytest.mark.needs_browser
@@ -102,3 +115,17 @@ def test_the_site_asks_nobody_and_finds_words(site: Path, chromium: Any) -> None
     page.locator(".search a").first.wait_for()
     assert len(asked) > len(LOOKED_AT)
     assert [address for address in asked if not address.startswith(("data:", site.as_uri()))] == []
+
+
+@pytest.mark.needs_browser
+@pytest.mark.parametrize("name", LOOKED_AT)
+def test_everybody_can_read_the_site(site: Path, chromium: Any, name: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()
+    for scheme in ("light", "dark"):
+        for width_px in WIDTHS_PX:
+            page = chromium.new_page(color_scheme=scheme, viewport={"width": width_px, "height": 900})
+            page.goto((site / name).as_uri())
+            assert page.evaluate("document.documentElement.scrollWidth") <= width_px
+            found = axe.run(page)
+            assert found.violations_count == 0, (scheme, width_px, found.generate_report())
+            page.close()
