@@ -1,4 +1,4 @@
-"""Figures of docs/howto/audit.md."""
+"""Figures of docs/reference/audit_results.md."""
 
 from __future__ import annotations
 
