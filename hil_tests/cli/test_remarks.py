@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from hil_tests.support.plug import Wrapping, plug_in
 from hil_tests.support.recordings import row_of
 from hil_tests.support.scores import made_score
 from railhil.cli.result_printer import assumption_lines, next_step
@@ -28,13 +29,13 @@ def run(scenario: Scenario, *failures: str, verdict: str = "FAIL", **certificate
 
 
 def test_assumptions_are_one_line_that_points_at_the_report(lvshun: Scenario, tmp_path: Path) -> None:
-    (line,) = assumption_lines(lvshun, tmp_path, verbose=False)
+    (line,) = assumption_lines(lvshun, "lvshun_tieshan", tmp_path, verbose=False)
     assert f"assumed: {len(lvshun.assumptions)} choices" in line
     assert "railhil scenarios lvshun_tieshan" in line
     (tmp_path / "report.html").touch()
-    assert f"listed in {tmp_path / 'report.html'}" in assumption_lines(lvshun, tmp_path, verbose=False)[0]
-    assert assumption_lines(lvshun, tmp_path, verbose=True) == [f"assumed: {text}" for text in lvshun.assumptions]
-    assert assumption_lines(replace(lvshun, assumptions=()), tmp_path, verbose=False) == []
+    assert f"listed in {tmp_path / 'report.html'}" in assumption_lines(lvshun, "", tmp_path, verbose=False)[0]
+    assert assumption_lines(lvshun, "", tmp_path, verbose=True) == [f"assumed: {text}" for text in lvshun.assumptions]
+    assert assumption_lines(replace(lvshun, assumptions=()), "", tmp_path, verbose=False) == []
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,7 @@ def test_assumptions_are_one_line_that_points_at_the_report(lvshun: Scenario, tm
     [
         ((_STOP,), {}, ("--controller ipfc_plus", "railhil tune ipfc lvshun_tieshan")),
         ((_STOP,), {"parameters": {"sha256": "0"}}, ("--controller ipfc_plus",)),
-        ((_STOP,), {"controller": "mine"}, ("--controller ipfc_plus",)),
+        ((_STOP,), {"controller": "of_somebody"}, ("railhil report ",)),
         ((_STOP,), {"controller": "ipfc_plus"}, ("railhil report ",)),
         ((_STOP,), {"indexing": "distance"}, ("railhil report ",)),
         ((_STOP, "emergency brake at 3.00 s"), {}, ("railhil report ",)),
@@ -58,6 +59,15 @@ def test_the_next_step_follows_from_what_went_wrong(
     assert all(word in line for word in words)
     for other in ("--controller ipfc_plus", "railhil tune", "railhil report", "railhil audit"):
         assert any(other in word for word in words) == (other in line)
+
+
+def test_the_next_step_of_a_law_of_the_user_is_about_that_law(
+    lvshun: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the user's line, by its file."""
+    plug_in(tmp_path, monkeypatch, mine=Wrapping)
+    line = next_step(run(replace(lvshun, name="/lines/own.toml"), _STOP, controller="mine"), tmp_path)
+    assert line == "next: railhil tune mine /lines/own.toml, which searches its parameters"
 
 
 def test_no_advice_without_a_fail_or_on_somebody_elses_controller(lvshun: Scenario, tmp_path: Path) -> None:

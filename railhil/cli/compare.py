@@ -200,7 +200,7 @@ def work(namespace: argparse.Namespace) -> int:
     sign_list(folder, namespace.sign)
     if remark := found[0].judging.remark([run.score for run in found]):
         console.say(f"runs that {remark}")
-    for line in assumption_lines(scenario, folder, namespace.verbose):
+    for line in assumption_lines(scenario, namespace.scenario, folder, namespace.verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)
     for run in found:

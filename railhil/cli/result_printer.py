@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from shlex import quote
 
 from rich.table import Table
 
@@ -63,16 +64,18 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def assumption_lines(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
+def assumption_lines(scenario: AnyScenario, name: str, folder: Path, verbose: bool) -> list[str]:
     """The scenario's choices where its sources give no value: one summary line, or all of them.
 
+    :param name: with which the scenario is loaded again, its name or its file.
     :param folder: the run folder; its report lists them.
     """
     sentences = scenario.assumptions
     if verbose or not sentences:
         return [f"assumed: {sentence}" for sentence in sentences]
-    where = f"listed in {folder / REPORT}" if (folder / REPORT).is_file() else f"railhil scenarios {scenario.name}"
-    return [f"assumed: {len(sentences)} choices of the scenario that its sources leave open ({where}, or --verbose)"]
+    where = f"listed in {folder / REPORT}" if (folder / REPORT).is_file() else f"railhil scenarios {quote(name)}"
+    choices = count_of(len(sentences), "choice")
+    return [f"assumed: {choices} of the scenario that its sources leave open ({where}, or --verbose)"]
 
 
 def next_step(run: Record, folder: Path) -> str:
@@ -104,7 +107,7 @@ def print_result(
     scenario, folder = run.scenario, result.place
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
-    for line in assumption_lines(scenario, folder, verbose):
+    for line in assumption_lines(scenario, run.certificate.get("scenario") or scenario.name, folder, verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)
     console.say(

@@ -9,6 +9,7 @@ from typing import Any
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import text_beside_limit
 from railhil.controller_node.ato.laws import ORDER
+from railhil.controller_node.laws import load as load_law
 from railhil.judge.counters import unchecked, unreconciled
 from railhil.judge.criteria import STOP_WITHIN_M
 from railhil.judge.judging import Judging
@@ -119,7 +120,7 @@ def counted(found: Sequence[Score]) -> dict[str, Any]:
 
 
 def advice(run: Record, folder: Path) -> str:
-    """Advice after a FAIL, depending on the cause."""
+    """Advice after a FAIL, depending on the cause; a law of the user is not replaced by one of ours."""
     certificate, scenario = run.certificate, run.scenario
     name = certificate.get("scenario") or scenario.name
     if any(text.startswith(WRAP_FAILURE) for text in run.score.failures):
@@ -127,10 +128,10 @@ def advice(run: Record, folder: Path) -> str:
     only_errors = all(text.startswith(("stop error", "time error")) for text in run.score.failures)
     if not only_errors or run.controller == LAW_WITH_POSITION or certificate.get("indexing") != "time":
         return ""
-    steps = []
-    if LAW_WITH_POSITION in scenario.installed_system.law_names():
+    installed, steps = scenario.installed_system.law_names(), []
+    if run.controller in ORDER and LAW_WITH_POSITION in installed:
         steps.append(f"the same with --controller {LAW_WITH_POSITION}, which knows its position")
-    if run.controller in ORDER and not certificate.get("parameters"):
+    if run.controller in installed and not certificate.get("parameters") and load_law(run.controller).tunable:
         steps.append(f"railhil tune {run.controller} {name}, which searches its parameters")
     return f"next: {'; or '.join(steps)}" if steps else ""
 
