@@ -11,9 +11,9 @@ from pathlib import Path
 from shlex import quote
 from string import Template
 
-from railhil.cli.new_scenario import line_file, scenario_file
+from railhil.cli.new_scenario import imported_line_file, line_file, scenario_file
 from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO
-from railhil.common.errors import InputError, Words, describe_os_error
+from railhil.common.errors import InputError, Sentence, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.options import add_option
@@ -64,9 +64,27 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     line = kinds.add_parser(
         "line",
         help="a line and a train of your own, as a complete scenario file",
-        examples=["railhil new line myline"],
+        examples=[
+            "railhil new line myline",
+            "railhil new line mytrack --from docs/examples/north_south.xml --track t1 t2 t3",
+        ],
     )
     _add(line, "the new scenario", "FILE", "NAME.toml", _new_line)
+    line.add_argument(
+        "--from",
+        dest="source",
+        metavar="FILE",
+        type=Path,
+        help="take the line from a track of TTOBench (.json), a path of railtoolkit (.yaml) or railML 3 (.xml)",
+    )
+    line.add_argument(
+        "--track",
+        dest="track_ids",
+        metavar="ID",
+        nargs="+",
+        default=[],
+        help="path, or tracks in the order of running, of that file (default: its only one)",
+    )
     scenario = kinds.add_parser(
         "scenario",
         help="a scenario file based on another one, with the usual keys",
@@ -144,7 +162,15 @@ def _new_controller(namespace: argparse.Namespace) -> int:
 
 
 def _new_line(namespace: argparse.Namespace) -> int:
-    return _scenario(namespace, lambda _: line_file(namespace.name), f" --controller {LAW_WITH_POSITION}")
+    if namespace.track_ids and namespace.source is None:
+        raise InputError("command line", "--track", " ".join(namespace.track_ids), Sentence("used only with --from"))
+
+    def text_in(folder: Path) -> str:
+        if namespace.source is None:
+            return line_file(namespace.name)
+        return imported_line_file(namespace.name, namespace.source, namespace.track_ids, folder)
+
+    return _scenario(namespace, text_in, f" --controller {LAW_WITH_POSITION}")
 
 
 def _new_scenario(namespace: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -15,6 +16,8 @@ from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, find, load_any, names, short_names
 from railhil.scenarios.reference import Key
 from railhil.scenarios.schema import Name
+from railhil.scenarios.system import DEFAULT, system_named
+from railhil.scenarios.tomlfile import parse_toml
 
 _TEMPLATES = Path(__file__).with_name("templates")
 #: Longer values (tables of rows) are left out; they can be found in the base scenario.
@@ -27,7 +30,38 @@ def line_file(name: str) -> str:
     :raises InputError: the name is invalid or taken.
     """
     _check_name(name)
-    return _fill("line.toml.in", name=name)
+    return _fill(
+        "line.toml.in",
+        name=name,
+        head="A line and a train of your own",
+        title=json.dumps(f"{name}, from North Street to Harbour"),
+        values="all values",
+        line=_fill("own_line.toml.in"),
+        distance_m="1400",
+    )
+
+
+def imported_line_file(name: str, source: Path, track_ids: Sequence[str], folder: Path) -> str:
+    """The text of a complete scenario on a line of another tool's file.
+
+    :param source: the file; :func:`railhil.systems.ato.scenario.importers.new_line.read_new_line` has its formats.
+    :param track_ids: its tracks in the order of running, or its path; none for its only one.
+    :param folder: folder of the new file; the path to the source is relative to it.
+    :raises InputError: the name is invalid or taken, or the file is wrong.
+    """
+    train = parse_toml(line_file(name))["train"]
+    new = system_named(DEFAULT).part("new_line")(source, track_ids, folder, train)
+    keys = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in new.keys.items()]
+    notes = [f"# {' '.join(remark.split())}" for remark in new.remarks]
+    return _fill(
+        "line.toml.in",
+        name=name,
+        head="A line of another tool's file and a train of your own",
+        title=json.dumps(f"{name}, on a line of {source.name}", ensure_ascii=False),
+        values="the values of the train",
+        line="\n".join(["[line]", *keys, *notes, ""]),
+        distance_m=repr(new.distance_m),
+    )
 
 
 def scenario_file(name: str, base: str, folder: Path) -> str:

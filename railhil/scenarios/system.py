@@ -113,6 +113,9 @@ class System:
     fmu_plant: str | None = None
     #: Draws scenario and trace into a file; without it :mod:`railhil.report.pictures` does.
     picture: str | None = None
+    #: Reads a line from a file of another tool, for ``railhil new line --from``
+    #: (:func:`railhil.systems.ato.scenario.importers.new_line.read_new_line`).
+    new_line: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:
         if self.given is None and self.interface is not None:
