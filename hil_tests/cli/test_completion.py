@@ -60,5 +60,5 @@ def test_zsh_has_a_script_too() -> None:
 
 def test_without_shtab_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "shtab", None)
-    with pytest.raises(InputError, match=r"module shtab: not installed; install it with .* install 'shtab>=1.7'"):
+    with pytest.raises(InputError, match=r"shtab is not installed; install it with .* install 'shtab>=1.7'"):
         script("bash")

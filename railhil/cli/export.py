@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -66,7 +66,8 @@ def work(namespace: argparse.Namespace) -> int:
     start = None if namespace.start is None else parsed_start(namespace.start)
     if "blf" in wanted and start is None:
         raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")
-    writers = {name: _writer(_FORMATS[name]) for name in wanted}
+    extras = list(dict.fromkeys(_FORMATS[name].extra for name in wanted if _FORMATS[name].extra))
+    writers = {name: _writer(_FORMATS[name], extras) for name in wanted}
     content = Content(checked_record(namespace.log, None), start)
     for note in content.record.unused:
         Output(stderr=True).say(note)
@@ -79,17 +80,18 @@ def work(namespace: argparse.Namespace) -> int:
     return 0
 
 
-def _writer(kind: _Format) -> Callable[[Content, Path], None]:
+def _writer(kind: _Format, extras: Sequence[str]) -> Callable[[Content, Path], None]:
     """The function that writes a kind of file.
 
-    :raises InputError: the libraries of its extra are missing.
+    :param extras: of all kinds that are asked for.
+    :raises InputError: libraries of these extras are missing.
     """
     module, _, name = kind.writer.partition(":")
     allow_asammdf()
     try:
         writer: Callable[[Content, Path], None] = getattr(import_module(f"{_ROOM}.{module}"), name)
     except ImportError as error:
-        raise missing_library("railhil export", error, kind.extra) from None
+        raise missing_library("railhil export", error, *extras) from None
     return writer
 
 

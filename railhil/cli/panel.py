@@ -15,7 +15,7 @@ from pathlib import Path
 
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError, Sentence, Words
-from railhil.common.extras import install_command
+from railhil.common.extras import need
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
 from railhil.live.processes import nodes_processor
@@ -89,12 +89,7 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
 
 def require_websockets() -> None:
     """Refuse a panel whose extra is not installed. Raises InputError."""
-    try:
-        import websockets  # noqa: F401
-    except ImportError as error:
-        found = Words(f"module {error.name} is not installed")
-        allowed = Sentence(f"needs the module {error.name}; install it with {install_command('panel')}")
-        raise InputError("command line", "--panel", found, allowed, "the extra [panel]") from None
+    need("websockets", "panel", command="command line: --panel")
 
 
 def with_emergency(spec: RunSpec) -> RunSpec:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -23,16 +24,14 @@ _DISTRIBUTION = "railhil"
 _PIPX = "pipx_metadata.json"
 
 
-def install_command(extra: str) -> str:
-    """The command that installs the libraries of an extra into the running environment.
+def install_command(*extras: str, only: Collection[str] = ()) -> str:
+    """The command that installs the libraries of these extras into the running environment.
 
     The libraries are named one by one, which works in a clone, for a wheel and with pipx.
-    """
-    # Loading this takes a tenth of the start of a command.
-    from importlib.metadata import requires
 
-    wanted = [text.partition(";") for text in requires(_DISTRIBUTION) or ()]
-    names = [name.strip() for name, _, marker in wanted if f'extra == "{extra}"' in marker]
+    :param only: requirements to be named; empty: all.
+    """
+    names = [name for name in _requirements(extras) if not only or name in only]
     if (Path(sys.prefix) / _PIPX).is_file():
         words = ["pipx", "inject", _DISTRIBUTION]
     elif importlib.util.find_spec("pip") is None:
@@ -43,24 +42,71 @@ def install_command(extra: str) -> str:
     return shlex.join(words + names)
 
 
-def missing_library(command: str, error: ImportError, extra: str) -> InputError:
-    """The one-line message for a library that is missing or unusable."""
-    absent = isinstance(error, ModuleNotFoundError)
-    found = Words("not installed" if absent else f"an installation that cannot be used ({error})")
-    problem = "not installed" if absent else f"the installation cannot be used ({error})"
-    allowed = Sentence(f"{problem}; install it with {install_command(extra)}")
-    return InputError(command, f"module {error.name or '?'}", found, allowed, f"the extra [{extra}]")
+def _requirements(extras: Sequence[str]) -> list[str]:
+    """The requirements of these extras, each once."""
+    # Loading this takes a tenth of the start of a command.
+    from importlib.metadata import requires
+
+    wanted = [text.partition(";") for text in requires(_DISTRIBUTION) or ()]
+    return list(
+        dict.fromkeys(name.strip() for extra in extras for name, _, marker in wanted if f'extra == "{extra}"' in marker)
+    )
 
 
-def need(module: str, extra: str, command: str = "railhil campaign") -> ModuleType:
-    """Import a module of an extra.
+def _distribution_of(requirement: str) -> str:
+    return re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
+
+
+def _normalised(distribution: str) -> str:
+    """The name as the package index compares it."""
+    return re.sub(r"[-_.]+", "-", distribution).lower()
+
+
+def _missing(extras: Sequence[str], module: str) -> list[str]:
+    """Requirements of these extras that are not installed, and that of the module which could not be imported."""
+    from importlib.metadata import PackageNotFoundError, distribution, packages_distributions
+
+    owners = {_normalised(name) for name in packages_distributions().get(module.partition(".")[0], [])}
+
+    def is_missing(requirement: str) -> bool:
+        name = _distribution_of(requirement)
+        try:
+            distribution(name)
+        except PackageNotFoundError:
+            return True
+        return _normalised(name) in owners
+
+    wanted = _requirements(extras)
+    # A library that one of them needs may be the missing one: then all are installed again.
+    return [requirement for requirement in wanted if is_missing(requirement)] or wanted
+
+
+def missing_library(command: str, error: ImportError, *extras: str) -> InputError:
+    """The one-line message for a library that is missing or unusable: all that is missing of these extras, and one
+    command that installs it.
+
+    :param extras: all that the command needs for what it was asked to do.
+    """
+    missing = _missing(extras, error.name or "")
+    names = [_distribution_of(requirement) for requirement in missing]
+    said = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else "".join(names)
+    is_absent = isinstance(error, ModuleNotFoundError)
+    problem = "not installed" if is_absent else f"not installed, or cannot be used ({error})"
+    verb, them = ("are", "them") if len(names) > 1 else ("is", "it")
+    sentence = Sentence(f"{said} {verb} {problem}; install {them} with {install_command(*extras, only=missing)}")
+    hint = f"the extra{'s' * (len(extras) > 1)} {', '.join(f'[{extra}]' for extra in extras)}"
+    return InputError(command, "", Words("not installed"), sentence, hint)
+
+
+def need(module: str, *extras: str, command: str = "railhil campaign") -> ModuleType:
+    """Import a module of the first of these extras; the others are needed, too.
 
     :param command: command that needs the module. :raises InputError: it is not installed.
     """
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise missing_library(command, error, extra) from error
+        raise missing_library(command, error, *extras) from error
 
 
 _ASAMMDF = "asammdf"

@@ -160,9 +160,13 @@ class Command(Generic[P]):
         beside = (self.verified[0], "laws") if code else (self.verified[0],)
         _check_options(self.request, namespace, beside, self.only_run)
         self.check(namespace)
-        need("pyarrow", "campaign", self.name)
+        need("pyarrow", *self._extras(namespace), command=self.name)
         study = self._study(code)
         return self._verify(namespace, study, code) if namespace.verify is not None else self._run(namespace, study)
+
+    def _extras(self, namespace: argparse.Namespace) -> tuple[str, ...]:
+        """Extras that the command line needs."""
+        return ("campaign", "dask") if self.engine(namespace)[0] == "dask" else ("campaign",)
 
     def _study(self, code: Mapping[str, GivenController]) -> Study[P, Any]:
         module, _, name = self.study.partition(":")
@@ -217,7 +221,7 @@ class Command(Generic[P]):
         name, jobs = self.engine(namespace)
         if name != "dask" and kernel is not None:
             # If the work is done on this machine, report missing libraries before the folder is made.
-            need("numba", "campaign", self.name)
+            need("numba", *self._extras(namespace), command=self.name)
             say_compiling(say, kernel)
         with running(name, say, jobs, namespace.scheduler) as engine:
             made = execute(study, plan, resumed or namespace.out, console, engine, say, namespace.shard)

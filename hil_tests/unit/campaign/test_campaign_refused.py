@@ -13,7 +13,6 @@ from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.study import CAMPAIGN
 from railhil.campaign.summary import training_sentence
 from railhil.common.errors import InputError
-from railhil.common.extras import install_command
 from railhil.common.plug_ins import sort_laws
 from railhil.controller_node.laws import names
 from railhil.record.hash_list import write_hash_list
@@ -150,8 +149,8 @@ def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, m
     monkeypatch.setitem(sys.modules, module, None)
     done = campaign(short, "--engine", "processes", "--out", "mine")
     assert done.exit_code == 2
-    assert f"module {module}: not installed" in done.one_line()
-    assert install_command("campaign") in done.one_line()
+    assert f"{module} is not installed" in done.one_line()
+    assert f"install '{module}>=" in done.one_line()
     assert not list(tmp_path.iterdir())
 
 

@@ -307,6 +307,6 @@ def test_distance_and_stops_must_agree(tmp_path: Path) -> None:
 
 def test_without_yaml_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "yaml", None)
-    said = r"module yaml: not installed; install it with .*PyYAML.* \(the extra \[railtoolkit\]\)"
+    said = r"PyYAML is not installed; install it with .*PyYAML.* \(the extra \[railtoolkit\]\)"
     with pytest.raises(InputError, match=said):
         railtoolkit.load_train(RAILTOOLKIT / "trains" / "local.yaml", actuator_pole_per_s=0.4, accel_per_notch_mps2=0.1)
