@@ -97,6 +97,8 @@ def test_a_net_element_without_length_has_that_of_its_measures(tmp_path: Path) -
         ('units="km"', 'units="miles"', "linearPositioningSystem km units: found 'miles', allowed m or km"),
         ('positionOnB="1"', 'positionOnB="0"', "track t3: is not connected, expected a track that begins"),
         ("track>", "trak>", "is no XML"),
+        ('encoding="UTF-8"', 'encoding="none"', "is no XML"),
+        ('posBegin="0" posEnd="300"', 'posBegin="0" posEnd="900"', "posEnd: found 900.0, allowed from 0 to 300"),
         (' intrinsicCoord="0.5"', "", "balise b3 spotLocation: missing"),
     ],
 )
@@ -119,6 +121,11 @@ def test_tracks_that_are_no_way_give_one_line(tracks: tuple[str, ...], words: st
     with pytest.raises(InputError) as caught:
         load_line(EXAMPLE, track_ids=tracks, default_limit_mps=LIMIT_MPS)
     assert words in str(caught.value)
+
+
+def test_a_track_without_length_gives_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="track t3 linearLocation: has no length, expected a way to run on"):
+        load_line(changed(tmp_path, 'posBegin="0" posEnd="300"', 'posBegin="300" posEnd="300"'), track_ids=["t3"])
 
 
 def test_a_place_without_a_limit_must_be_given_one() -> None:

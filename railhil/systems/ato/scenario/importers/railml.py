@@ -57,6 +57,8 @@ def load_line(
     network = Network(path, root)
     tracks = _choose_tracks(path, root.findall(f"{_FUNCTIONAL}/tracks/track"), track_ids)
     way = network.way(tracks, reverse=reverse)
+    if way[-1].end_m < JOINT_M:
+        raise InputError(path, f"{label(tracks[0])} linearLocation", Words("has no length"), "a way to run on")
     grades, level = _grades(network, way, root)
     limits = _limits(network, way, root, default_limit_mps)
     parts = [item for above in (_FUNCTIONAL, _GEOMETRY) for item in root.iterfind(f"{above}/*")]

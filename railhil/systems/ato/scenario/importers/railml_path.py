@@ -25,6 +25,8 @@ _METRES = {**dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0)}
 _METRES |= dict.fromkeys(("km", "kilometre", "kilometres", "kilometer", "kilometers"), 1000.0)
 #: Ends of neighbouring pieces of track may differ by this much.
 JOINT_M = 0.01
+#: A place may lie this far outside its net element, by the rounding of its position.
+_OUTSIDE_MAX_M = 1.0
 _TRUE = ("true", "1")
 
 
@@ -95,7 +97,8 @@ def read_railml(file: Path) -> Element:
     parser.EndElementHandler = lambda name: builder.end(_local(name))
     try:
         parser.Parse(content, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, LookupError) as error:
+        # A LookupError is an encoding that Python does not know.
         raise InputError(file, "", Words("is no XML"), _EXPECTED, str(error)) from None
     root = builder.close()
     if root.tag != "railML":
@@ -190,7 +193,19 @@ class Network:
         return name, self._elements[name]
 
     def _offset_m(self, item: Element, place: Element, suffix: str, one: NetElement) -> float | None:
-        """Position on a net element; None if the location does not say."""
+        """Position on a net element; None if the location does not say.
+
+        :raises InputError: it lies outside.
+        """
+        at_m = self._given_m(item, place, suffix, one)
+        if at_m is None:
+            return None
+        if not -_OUTSIDE_MAX_M <= at_m <= one.length_m + _OUTSIDE_MAX_M:
+            allowed = f"from 0 to {one.length_m:g}, the length of {place.get('netElementRef')}"
+            raise InputError(self.file, f"{label(item)} pos{suffix}", at_m, allowed)
+        return min(max(at_m, 0.0), one.length_m)
+
+    def _given_m(self, item: Element, place: Element, suffix: str, one: NetElement) -> float | None:
         if place.get(f"pos{suffix}") is not None:
             return self.number(place, f"pos{suffix}", item)
         if place.get(f"intrinsicCoord{suffix}") is not None:
