@@ -118,6 +118,7 @@ def test_the_site_asks_nobody_and_finds_words(site: Path, chromium: Any) -> None
 
 
 @pytest.mark.needs_browser
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize("name", LOOKED_AT)
 def test_everybody_can_read_the_site(site: Path, chromium: Any, name: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()
