@@ -28,7 +28,7 @@ def outcome(tmp_path_factory: pytest.TempPathFactory) -> railhil.Outcome:
 def block(html: str) -> ET.Element:
     """The block of a cell as a tree: every element is closed, and nothing but its styles stands beside it."""
     styles, _, rest = html.partition("</style>")
-    assert styles.startswith("<style>.railhil-cell {")
+    assert styles.startswith("<style>.railhil-cell.railhil-cell {")
     return ET.fromstring(rest)
 
 

@@ -44,7 +44,8 @@ _STYLES = """
 @cache
 def _styles() -> str:
     colours = static_text("charts.css").partition("{")[2].partition("}")[0]
-    return f"<style>.railhil-cell {{ {colours} {static_text('figures.css')} {_STYLES} }}</style>"
+    # The class twice: notebooks have rules for tables, too.
+    return f"<style>.railhil-cell.railhil-cell {{ {colours} {static_text('figures.css')} {_STYLES} }}</style>"
 
 
 def html_cell(*parts: str) -> str:
