@@ -50,7 +50,7 @@ def check(block: Block, folder: Path) -> list[Change]:
     elif language == "console":
         return list(_console(block, folder))
     elif language == "sh":
-        for line, (code, out) in zip(_lines(block.lines), _run(block, _lines(block.lines), folder), strict=True):
+        for line, (code, out) in zip(lines_of(block.lines), _run(block, lines_of(block.lines), folder), strict=True):
             if code not in _VERDICTS:
                 raise Failed(f"{block}: ended with {code}: {line}\n{out}")
     return []
@@ -95,7 +95,7 @@ def _pytest(block: Block, folder: Path) -> None:
         raise Failed(f"{block}: " + "\n".join(done.outlines))
 
 
-def _lines(lines: Sequence[str]) -> list[str]:
+def lines_of(lines: Sequence[str]) -> list[str]:
     """Command lines; one that ends with a backslash goes on."""
     joined = re.sub(r"\\\n *", "", "\n".join(lines)).split("\n")
     return [line for line in joined if line.strip()]
