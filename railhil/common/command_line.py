@@ -24,7 +24,7 @@ PACES = ("lockstep", "realtime")
 BUSES = ("auto", "local")
 #: Default scenario and law of a run.
 USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
-#: The shipped law that knows the train's position, and so stops any train exactly: for first runs and as advice.
+#: The shipped law that knows the train's position: for first runs, and as advice where another one misses the stop.
 LAW_WITH_POSITION = "ipfc_plus"
 
 
