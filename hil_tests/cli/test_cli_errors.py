@@ -65,7 +65,7 @@ USAGE = {
         "--controller: found 'nix', allowed ipfc, tpfc2, tpfc1, ",
     ),
     "mistyped law": (["compare", "--laws", "ipfcc"], "(did you mean ipfc?)"),
-    "arithmetic": (["run", "--arithmetic", "nix"], "--arithmetic"),
+    "arithmetic": (["run", "--arithmetic", "flaot64"], "--arithmetic: found flaot64, allowed float32, "),
     "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
     "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
     "text as seed": (["run", "--seed", "x"], "--seed: found x, allowed 0..4294967295"),
@@ -83,7 +83,8 @@ USAGE = {
     "keyword": (["run", "-i", "railhil", "--bus-kwargs", "x"], "--bus-kwargs: "),
     "port": (["ports", "nix"], "port: found 'nix', allowed TIME_SYNC, "),
     "bit rate 0": (["ports", "-b", "0"], "--bitrate: found 0, allowed bit/s above 0"),
-    "node": (["node", "nix"], "'nix'"),
+    "node": (["node", "nix"], "ROLE: found nix, allowed controller, plant"),
+    "unknown name of a scenario": (["run", "nix"], "or a name that railhil scenarios lists"),
     "hub address": (["bus", "hub", "-c", "tcp://192.0.2.1:5"], "found host '192.0.2.1', allowed: tcp://127.0.0.1"),
 }
 

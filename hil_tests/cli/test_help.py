@@ -3,37 +3,19 @@
 from __future__ import annotations
 
 import shlex
-from argparse import SUPPRESS, Action, ArgumentParser, _SubParsersAction
-from collections.abc import Iterator
+from argparse import SUPPRESS, Action
 
 import pytest
 
 from hil_tests.support.cli import Railhil, complaint
+from hil_tests.support.command_parsers import COMMANDS
 from railhil.cli import commands
-from railhil.cli.completion import program_parser, whole_parser
-from railhil.cli.programs import NODES, PROGRAMS
+from railhil.cli.programs import PROGRAMS
 from railhil.common.command_line import OneLineParser, accept_former_name
 from railhil.scenarios.options import _DECLARED
 
 #: Shown width of a terminal that nobody has widened.
 _WIDTH = 80
-
-
-def leaves(parser: ArgumentParser) -> Iterator[ArgumentParser]:
-    """Parsers of the commands below a parser, or that parser."""
-    below = [action for action in parser._actions if isinstance(action, _SubParsersAction)]
-    for action in below:
-        for inner in action.choices.values():
-            yield from leaves(inner)
-    if not below:
-        yield parser
-
-
-COMMANDS = {
-    one.prog: one
-    for one in [*leaves(whole_parser()), *map(program_parser, NODES.values())]
-    if one.prog != "railhil node"
-}
 
 
 def test_without_a_command_the_first_steps_are_shown_and_nothing_has_passed(here: Railhil) -> None:

@@ -62,7 +62,9 @@ def work(namespace: argparse.Namespace) -> int:
     """Write the files and print their paths."""
     wanted = [name for name in _FORMATS if getattr(namespace, name)]
     if not wanted:
-        raise InputError("command line", "format", Words(), ", ".join(f"--{name}" for name in _FORMATS))
+        raise InputError(
+            "command line", "format", Words(), f"one or more of {', '.join(f'--{name}' for name in _FORMATS)}"
+        )
     start = None if namespace.start is None else parsed_start(namespace.start)
     if "blf" in wanted and start is None:
         raise InputError("command line", "--blf", Words("no --start"), "--start TIME; without it use frames.blf")

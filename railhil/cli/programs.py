@@ -41,7 +41,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil node controller yizhuang_05 --controller ipfc_plus -i socketcan -c vcan0",
         ],
     )
-    node.add_argument("role", choices=sorted(NODES), help="which node; each has a --help of its own")
+    node.add_argument(
+        "role",
+        metavar="ROLE",
+        choices=sorted(NODES),
+        help="controller or plant: which node; each has a --help of its own",
+    )
     node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
     node.set_defaults(work=lambda namespace: _become(NODES[namespace.role], namespace.arguments))
 

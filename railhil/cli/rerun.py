@@ -25,7 +25,7 @@ from railhil.scenarios.options import add_code_options, add_option, named_code
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("rerun", examples=["railhil rerun runs/mine"])
-    parser.add_argument("run", help="run folder, or its certificate.json")
+    parser.add_argument("run", metavar="RUN", help="run folder, or its certificate.json")
     add_option(parser, "--bus", default=None, usual="local, without -i and the like")
     add_option(parser, "--out DIR", usual="none, unless the repeated run differs")
     add_code_options(parser)

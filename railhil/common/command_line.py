@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
+from railhil.common.errors import did_you_mean
 from railhil.common.scheduling import PRIORITY_MAX
 from railhil.common.streams import accept_any_text, escape_controls, flush_output
 
@@ -40,6 +41,8 @@ APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
 #: Longest number accepted on the command line, in digits.
 _DIGITS_MAX = 20
+#: argparse's words on a value that is none of the choices.
+_CHOICE = re.compile(r"invalid choice: (.*) \(choose from (.*)\)$")
 _SEED_RANGE = re.compile(r"0*([0-9]{1,10})(?:\s*-\s*0*([0-9]{1,10}))?", re.ASCII)
 #: Longer words of the command line are truncated in messages.
 _WORD_MAX = 200
@@ -118,6 +121,11 @@ class OneLineParser(argparse.ArgumentParser):
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction) and message.endswith(f"required: {action.metavar}"):
                 message = f"{action.metavar} is missing: one of {', '.join(action.choices)}"
+        if found := _CHOICE.search(message):
+            word, names = found[1].strip("'"), [name.strip("'") for name in found[2].split(", ")]
+            hint = did_you_mean(word, names)
+            allowed = f"found {word}, allowed {', '.join(names)}{f' ({hint})' if hint else ''}"
+            message = f"{message[: found.start()]}{allowed}"
         words = (word if len(word) <= _WORD_MAX else f"{word[:_WORD_MAX]}..." for word in message.split())
         print(escape_controls(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)

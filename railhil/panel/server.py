@@ -282,6 +282,8 @@ def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
         allowed = Sentence(f"cannot be given with {found} or any other option of a bus")
         raise InputError("command line", "--follow", found, allowed)
     folder = Path(follow)
+    if not folder.is_dir():
+        raise InputError(folder, "", Words("does not exist"), "the folder of a run that is being made")
     return Receiver({}, lambda config, name: LogFollower(folder), waits=True)
 
 

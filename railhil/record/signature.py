@@ -20,6 +20,7 @@ HASH_LIST, SIGNATURE = "SHA256SUMS", "SHA256SUMS.sig"
 NAMESPACE: Final = "railhil"
 OPTION, KEY = "--sign", "--key"
 _PROGRAM: Final = "ssh-keygen"
+_A_KEY: Final = "an SSH key that can sign (ssh-keygen -t ed25519)"
 _SIGNER: Final = "signer"
 _KEY = re.compile(r"with (\S+ key \S+)")
 
@@ -34,9 +35,11 @@ def add_sign_argument(parser: argparse.ArgumentParser) -> None:
 def check_key(key: Path | None) -> None:
     """Try the key on an empty text before the work whose result it is to sign.
 
-    :raises InputError: the key, or OpenSSH, cannot sign.
+    :raises InputError: there is no such key, or it, or OpenSSH, cannot sign.
     """
     if key is not None:
+        if not key.exists():
+            raise InputError(key, "", Words("does not exist"), _A_KEY)
         with tempfile.TemporaryDirectory(prefix="railhil-sign-") as private:
             trial = Path(private) / HASH_LIST
             trial.touch()
@@ -55,7 +58,7 @@ def sign_list(folder: Path, key: Path | None) -> None:
     done = _ssh_keygen("sign", "-f", str(key), str(folder / HASH_LIST))
     if done.returncode:
         found = Words(_said(done))
-        raise InputError("command line", f"{OPTION} {key}", found, "an SSH key that can sign (ssh-keygen -t ed25519)")
+        raise InputError("command line", f"{OPTION} {key}", found, _A_KEY)
 
 
 class Signed(NamedTuple):

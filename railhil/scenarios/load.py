@@ -79,7 +79,7 @@ def find(name_or_path: str | Path) -> Path:
         path = Path(text)
         if not path.is_file():
             found = Words("is no regular file" if path.exists() else "does not exist")
-            raise InputError(path, "", found, "an existing .toml file", near_file(path))
+            raise InputError(path, "", found, "a scenario file (TOML)", near_file(path))
         return path
     name = shipped_name(text, RUNS)
     if name is None:
@@ -89,7 +89,8 @@ def find(name_or_path: str | Path) -> Path:
         hint = None if several else did_you_mean(text, {*known, *short_names().values()})
         if own.is_file():
             hint = f"did you mean {own}?"
-        allowed = f"a path ending in .toml, or one of {', '.join(several or known)}"
+        names_allowed = f"one of {', '.join(several)}" if several else "a name that railhil scenarios lists"
+        allowed = f"a path ending in .toml, or {names_allowed}"
         raise InputError("scenario", "name", text, allowed, hint)
     return RUNS / f"{name}.toml"
 

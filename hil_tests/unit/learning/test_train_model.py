@@ -122,7 +122,7 @@ def test_a_record_of_another_system_is_one_line() -> None:
         (("nowhere",), "nowhere: does not exist"),
         (("nowhere", "--ridge", "0"), "--ridge: found 0, allowed a number above 0"),
         (("nowhere", "--hidden", "0"), "--hidden: found 0, allowed 1..100"),
-        (("nowhere", "--kind", "rbf"), "--kind: invalid choice"),
+        (("nowhere", "--kind", "rbf"), "--kind: found rbf, allowed elm, bp, os_elm"),
         (("nowhere", "--ridge", "1", "--pinv"), "not allowed with argument"),
     ],
 )

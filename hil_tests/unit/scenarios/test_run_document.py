@@ -136,7 +136,7 @@ def test_a_certificate_makes_its_run_again(tmp_path: Path) -> None:
         ('seed = "1"', "run.toml: seed: found '1', allowed a whole number"),
         ("[parameters]\na = 1", "run.toml: parameters: found {'a': 1}, allowed a text"),
         ('scenario = "nowhere"', "run.toml: scenario: found 'nowhere', allowed a path"),
-        ('scenario = "nowhere.toml"', "run.toml: scenario: found 'nowhere.toml', allowed an existing .toml file"),
+        ('scenario = "nowhere.toml"', "run.toml: scenario: found 'nowhere.toml', allowed a scenario file (TOML)"),
         ('controller = "ipcf"', "run.toml: controller: found 'ipcf', allowed ipfc, .*did you mean ipfc"),
         ('parameters = "none.toml"', "none.toml: does not exist, expected a parameter file"),
         ("rate = 2.0", "run.toml: rate: used only in a run with pace realtime"),

@@ -189,7 +189,7 @@ def test_a_name_nearly_right_gets_a_hint() -> None:
         ("Lvshun_Tieshan", "(did you mean lvshun_tieshan?)"),
         ("lvshun", "one of lvshun_tieshan, lvshun_tieshan_worn_wheels"),
         ("mine", "(did you mean mine.toml?)"),
-        ("mime.toml", "mime.toml: does not exist, expected an existing .toml file (did you mean mine.toml?)"),
+        ("mime.toml", "mime.toml: does not exist, expected a scenario file (TOML) (did you mean mine.toml?)"),
     ],
 )
 def test_a_name_that_is_none_is_answered_with_one_that_is(
