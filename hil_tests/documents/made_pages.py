@@ -1,4 +1,5 @@
-"""Pages of the site that are made from railhil itself: commands from their parsers, the library from its docstrings."""
+"""Pages of the site that are made from railhil itself: commands from their parsers, keys of scenarios from their
+schemas, the library from its docstrings."""
 
 from __future__ import annotations
 
@@ -15,17 +16,26 @@ from railhil import library, pytest_plugin
 from railhil.cli.commands import GROUPS
 from railhil.cli.completion import whole_parser
 from railhil.common.command_line import EXIT_CODES, OneLineParser
+from railhil.scenarios.reference import tables
+from railhil.scenarios.system import DEFAULT, names
 
 #: What reStructuredText would read as markup.
 _MARKUP = re.compile(r"([\\*`|_])")
 _COMMANDS = "reference/commands"
 _API = "reference/api"
+_KEYS = """\
+# Every key of a scenario file of {name}
+
+For files with `system = "{name}"`; how keys are written stands on [the page of the other ones](scenario_keys.md).
+"""
 
 
 def made_pages() -> Mapping[str, str]:
     """Path of each page below docs -> its text."""
     commands = _below(whole_parser())
     pages = {f"{_COMMANDS}/{name}.rst": "\n".join(_command(commands[name], "=")) for name in commands}
+    others = [name for name in names() if name != DEFAULT]
+    pages |= {f"reference/scenario_keys_{name}.md": _KEYS.format(name=name) + tables(name) for name in others}
     return {**pages, f"{_COMMANDS}.rst": "\n".join(_list_commands()), f"{_API}.rst": "\n".join(_list_api())}
 
 

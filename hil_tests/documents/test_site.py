@@ -92,12 +92,13 @@ def test_a_link_that_leads_nowhere_is_an_error(tmp_path: Path, link: str, capfd:
     assert link.rpartition("#")[2] in said
 
 
-def test_commands_and_the_library_are_pages_of_the_site(site: Path) -> None:
+def test_commands_keys_and_the_library_are_pages_of_the_site(site: Path) -> None:
     """With an anchor for each option, and for each name of the library."""
     places = _Targets(site / "reference" / "commands" / "run.html").places
     assert {"cmdoption-railhil-run-seed", "cmdoption-railhil-run-controller"} <= places
     commands = [name for group in GROUPS.values() for name in group]
     assert [name for name in commands if not (site / "reference" / "commands" / f"{name}.html").exists()] == []
+    assert "task.start_spread_kmh" in (site / "reference" / "scenario_keys_stop.html").read_text(encoding="utf-8")
     places = _Targets(site / "reference" / "api.html").places
     assert {"railhil.library.run", "railhil.library.campaign", "railhil.testing.bench.Bench"} <= places
 

@@ -105,11 +105,16 @@ def file_type() -> type[BaseModel]:
 
 def page() -> str:
     """The whole page."""
+    return _HEAD + tables(DEFAULT)
+
+
+def tables(system: str) -> str:
+    """The keys of the files of a system, by the tables in which they stand."""
     sections: dict[str, list[Key]] = {}
-    for key in system_named(DEFAULT).scenario_kind.list_keys():
+    for key in system_named(system).scenario_kind.list_keys():
         section = key.name.partition(".")[0] if "." in key.name else ""
         sections.setdefault(section, []).append(key)
-    text = _HEAD
+    text = ""
     for section, rows in sections.items():
         title = section.removesuffix("[]")
         text += f"\n## [{title}]\n\n" if title else "\n## The scenario\n\n"
