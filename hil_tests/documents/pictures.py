@@ -60,7 +60,7 @@ def photographs(folder: Path) -> Iterator[tuple[str, list[str], bytes]]:
             page.goto(page_address)
             if name == "panel.png":
                 page.locator("#connection", has_text="connected").wait_for()
-                page.wait_for_function("document.querySelectorAll('.rc-chart canvas').length > 3")
+                page.locator(".rc-chart canvas").nth(3).wait_for()
                 # Curves are drawn a little after the charts are there.
                 page.wait_for_timeout(_DRAWN_MS)
             yield name, _words(page, PHOTOGRAPHS[name]), page.screenshot()
