@@ -163,6 +163,5 @@ setup(
     packages=[package for name, folder in FOLDERS.items() for package in packages_of(name, folder)],
     ext_modules=extensions,
     setup_requires=["mypy>=1.11"] if compiled else [],
-    # A source archive keeps its label in setup.cfg, which an empty one here would hide.
-    options={"egg_info": {"tag_build": label}} if label else {},
+    options={"egg_info": {"tag_build": label}},
 )

@@ -33,9 +33,9 @@ def workflow(name: str) -> dict[str, Any]:
 
 
 def steps(name: str) -> Iterator[dict[str, Any]]:
-    """The steps of all its jobs."""
+    """The steps of all its jobs; a job that is another workflow has none of its own."""
     for job in workflow(name)["jobs"].values():
-        yield from job["steps"]
+        yield from job.get("steps", [])
 
 
 def scripts() -> list[str]:
@@ -148,6 +148,47 @@ def test_page_of_a_release_is_the_part_of_the_changelog(tmp_path: Path) -> None:
     notes = (tmp_path / "notes.md").read_text()
     assert re.search(rf"^## \[{re.escape(version)}\].*\n{re.escape(notes)}(## |\Z)", text, re.M)
     assert f"create v{version} " in (tmp_path / "words").read_text()
+
+
+def test_tag_of_a_release_is_a_version() -> None:
+    """As GitHub reads patterns: a full stop is itself, a plus sign repeats what stands before it."""
+    (pattern,) = workflow("release.yml")[True]["push"]["tags"]
+    wanted = re.compile(pattern.replace(".", r"\."))
+    assert [tag for tag in ("v0.2.0", "v1.10.0", "v0.2.0rc1", "v0.2", "vehicle") if wanted.fullmatch(tag)] == [
+        "v0.2.0",
+        "v1.10.0",
+    ]
+
+
+def test_release_comes_after_all_tests_and_its_page_last() -> None:
+    """One job makes all that is published: without the image there is no page."""
+    jobs = workflow("release.yml")["jobs"]
+    assert jobs["tests"] == {"uses": "./.github/workflows/ci.yml"}
+    assert "workflow_call" in workflow("ci.yml")[True]
+    (publishing,) = (job for job in jobs.values() if "permissions" in job)
+    assert publishing["needs"] == "tests"
+    names = [step.get("name") for step in publishing["steps"]]
+    assert names.index("Into the registry") < names.index("The page of the release") == len(names) - 1
+
+
+def test_job_that_publishes_takes_nothing_from_a_cache_and_leaves_no_credentials() -> None:
+    for step in steps("release.yml"):
+        assert not {"cache", "cache-from"} & step.get("with", {}).keys()
+        assert not step.get("uses", "").startswith("actions/cache@")
+        if step.get("uses", "").startswith("actions/checkout@"):
+            assert step["with"]["persist-credentials"] is False
+
+
+@pytest.mark.parametrize(("place", "code"), [("main", 0), ("main~1", 0), ("side", 1)])
+def test_release_is_made_of_a_commit_of_main(tmp_path: Path, place: str, code: int) -> None:
+    (step,) = (step for step in steps("release.yml") if step.get("name") == "The tag is on main")
+    own = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "advice.detachedHead=false"]
+    main, side = (["commit", "-q", "--allow-empty", "-m", name] for name in ("main", "side"))
+    setup = [["init", "-q", "-b", "main", "."], main, main, ["update-ref", "refs/remotes/origin/main", "main"]]
+    setup += [["checkout", "-q", "-b", "side"], side]
+    for words in (*setup, ["checkout", "-q", "--detach", place]):
+        subprocess.run([*own, *words], cwd=tmp_path, check=True)
+    assert subprocess.run([*_BASH, "-c", step["run"]], cwd=tmp_path, check=False).returncode == code
 
 
 def test_version_is_one_in_every_file_that_states_it() -> None:

@@ -15,9 +15,8 @@ import railhil
 
 #: The files on which results may depend; what else a tree holds makes no other version of it.
 _BUILT = ("railhil", *railhil.AT_TOP, "pyproject.toml", "setup.py")
-#: ``git archive`` writes the commit and its tags into this file.
-_ARCHIVED = ".git_archival.txt"
-_FORMAT = "%h %D"
+#: So many digits of a commit in every clone: those of ``git log`` depend on how much a clone holds.
+_DIGITS = 7
 _TIMEOUT_S = 10.0
 
 
@@ -25,7 +24,7 @@ _TIMEOUT_S = 10.0
 def full_version() -> str:
     """The version of the running railhil; that of a working tree is asked of git once in a process."""
     tree = Path(railhil.__path__[0]).parent
-    if not ((tree / ".git").exists() and (tree / "pyproject.toml").is_file()):
+    if not (tree / "pyproject.toml").is_file():
         from importlib.metadata import version
 
         return version("railhil")
@@ -39,32 +38,30 @@ def full_version() -> str:
 def label(tree: Path, base: str) -> str:
     """The part of the version that names the commit of a tree: ``+g1234567``, or nothing for a release.
 
-    :param base: the version in its pyproject.toml. A tree without a record of its commit is taken for a release, one
-        whose record cannot be read is ``+unknown``.
+    A source archive keeps the label that it was made with. Of any other tree only its own repository can tell the
+    commit; without one that git reads, it is ``+unknown``.
+
+    :param base: the version in its pyproject.toml.
     """
     if not (tree / ".git").exists():
-        archived = tree / _ARCHIVED
-        text = archived.read_text(encoding="ascii") if archived.is_file() else "$"
-        return "" if text.startswith("$") else _named(text, base)
+        if not (tree / "PKG-INFO").is_file():
+            return "+unknown"
+        from importlib.metadata import Distribution
+
+        return Distribution.at(tree).version.removeprefix(base)
     try:
-        said = _git(tree, "log", "-1", "--no-show-signature", "--abbrev=7", f"--format={_FORMAT}", "--decorate=short")
+        # Where .git is no repository, git looks for one in the folders above: then the tree has a prefix in it.
+        prefix, commit = _git(tree, "rev-parse", "--show-prefix", "HEAD").rsplit("\n", 2)[:2]
+        if prefix:
+            return "+unknown"
         # git reads the files only where their size or time is not that of the commit.
-        changed = _git(tree, "diff", "--name-only", "--no-ext-diff", "HEAD", "--", *_BUILT)
+        if _git(tree, "status", "--porcelain", "--untracked-files=all", "--", *_BUILT):
+            return f"+g{commit[:_DIGITS]}.dirty"
+        is_release = bool(_git(tree, "tag", "--points-at", "HEAD", "--list", f"v{base}"))
     except (OSError, subprocess.SubprocessError):
         # No git here, or it refuses a tree of another user.
         return "+unknown"
-    return _named(said, base, bool(changed))
-
-
-def _named(said: str, base: str, is_dirty: bool = False) -> str:
-    """The label by what git says of the commit.
-
-    :param said: in :data:`_FORMAT`, as ``1234567 HEAD -> main, tag: v0.2.0``.
-    """
-    commit, _, names = said.strip().partition(" ")
-    if f"tag: v{base}" in names.split(", ") and not is_dirty:
-        return ""
-    return f"+g{commit}" + ".dirty" * is_dirty
+    return "" if is_release else f"+g{commit[:_DIGITS]}"
 
 
 def _git(tree: Path, *words: str) -> str:

@@ -1,4 +1,4 @@
-"""The version says which release or which commit this is."""
+"""The version says which release or which commit this is; only a tree's own repository can say so."""
 
 from __future__ import annotations
 
@@ -23,8 +23,7 @@ def tree(tmp_path: Path) -> Path:
     (tree / "bus").mkdir(parents=True)
     (tree / "bus" / "frame.py").write_text("LENGTH = 8\n")
     (tree / "notes.md").write_text("Notes.\n")
-    (tree / ".git_archival.txt").write_text("$Format:%h %D$\n")
-    (tree / ".gitattributes").write_text(".git_archival.txt export-subst\n")
+    (tree / ".gitignore").write_text("*.pyc\n")
     _git(tree, "init", "-q")
     _git(tree, "add", ".")
     _git(tree, "commit", "-q", "-m", "First")
@@ -46,6 +45,25 @@ def test_changed_file_of_a_package_makes_the_tree_dirty(tree: Path) -> None:
     assert label(tree, "0.2.0") == f"+g{_commit(tree)}.dirty"
 
 
+def test_new_file_of_a_package_makes_the_tree_dirty(tree: Path) -> None:
+    """A build takes it; what git is told to ignore is made by builds and runs."""
+    _git(tree, "config", "status.showUntrackedFiles", "no")
+    _git(tree, "tag", "v0.2.0")
+    (tree / "more.md").write_text("More notes.\n")
+    (tree / "bus" / "frame.pyc").write_text("")
+    assert label(tree, "0.2.0") == ""
+    (tree / "bus" / "more.py").write_text("LENGTH = 9\n")
+    assert label(tree, "0.2.0") == f"+g{_commit(tree)}.dirty"
+
+
+@pytest.mark.parametrize(("key", "value"), [("core.abbrev", "12"), ("log.excludeDecoration", "refs/tags/*")])
+def test_settings_of_git_change_no_version(tree: Path, key: str, value: str) -> None:
+    _git(tree, "config", key, value)
+    assert label(tree, "0.2.0") == f"+g{_commit(tree)}"
+    _git(tree, "tag", "v0.2.0")
+    assert label(tree, "0.2.0") == ""
+
+
 @pytest.mark.parametrize("options", [[], ["-a", "-m", "Release"]], ids=["light", "annotated"])
 def test_release_is_the_commit_with_its_tag(tree: Path, options: list[str]) -> None:
     _git(tree, "tag", "v0.1.0")
@@ -57,18 +75,29 @@ def test_release_is_the_commit_with_its_tag(tree: Path, options: list[str]) -> N
     assert label(tree, "0.2.0") == f"+g{_commit(tree)}"
 
 
-def test_archive_of_a_commit_is_named_by_it(tree: Path, tmp_path: Path) -> None:
-    for tag, expected in ((None, f"+g{_commit(tree)}"), ("v0.2.0", "")):
-        if tag:
-            _git(tree, "tag", tag)
-        _git(tree, "archive", "--prefix=zip/", "-o", str(tmp_path / "zip.tar"), "HEAD")
-        shutil.unpack_archive(tmp_path / "zip.tar", tmp_path)
-        assert label(tmp_path / "zip", "0.2.0") == expected
+def test_tree_without_repository_is_no_release(tree: Path) -> None:
+    """Also in a tagged repository of something else."""
+    _git(tree, "tag", "v0.2.0")
+    shutil.copytree(tree / "bus", tree / "vendored" / "bus")
+    assert label(tree / "vendored", "0.2.0") == "+unknown"
 
 
-def test_copy_without_git_is_the_plain_version(tree: Path) -> None:
-    shutil.rmtree(tree / ".git")
-    assert label(tree, "0.2.0") == ""
+@pytest.mark.parametrize("expected", ["", "+g1234567", "+g1234567.dirty"])
+def test_source_archive_keeps_its_version(tmp_path: Path, expected: str) -> None:
+    (tmp_path / "PKG-INFO").write_text(f"Metadata-Version: 2.4\nName: railhil\nVersion: 0.2.0{expected}\n")
+    assert label(tmp_path, "0.2.0") == expected
+
+
+@pytest.mark.parametrize("left", ["empty", "broken", "without commit"])
+def test_repository_above_is_not_that_of_the_tree(tree: Path, left: str) -> None:
+    _git(tree, "tag", "v0.2.0")
+    inner = tree / "vendored"
+    (inner / ".git").mkdir(parents=True)
+    if left != "empty":
+        _git(inner, "init", "-q")
+    if left == "broken":
+        (inner / ".git" / "HEAD").unlink()
+    assert label(inner, "0.2.0") == "+unknown"
 
 
 def test_repository_that_git_cannot_read_is_no_release(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
