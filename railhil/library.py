@@ -260,7 +260,7 @@ def campaign(
     *,
     laws: Laws = (USUAL_LAW,),
     runs: int = 1000,
-    first_seed: int = 1000,
+    seed: int = 1000,
     arithmetic: str = "float64",
     indexing: str = "time",
     parameters: str | Path | Sequence[str | Path] = (),
@@ -276,7 +276,7 @@ def campaign(
     :param laws: one or several, or ``"all"``: names of laws, texts as for :func:`run`, or functions and classes at the
         top of a file.
     :param runs: number of runs of each law.
-    :param first_seed: seed of the first run; each further run has the next seed.
+    :param seed: of the first run; each further run has the next seed.
     :param arithmetic: of the laws.
     :param indexing: set-points over ``time`` or ``distance``.
     :param parameters: one parameter file or several, each for one of the laws.
@@ -305,7 +305,7 @@ def campaign(
         scenario=stable_name(str(scenario)),
         settings=settings_of(settings),
         runs=runs,
-        first_seed=first_seed,
+        first_seed=seed,
         laws=texts,
         both=both,
         arithmetic=arithmetic,
