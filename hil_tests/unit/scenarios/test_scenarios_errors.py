@@ -80,6 +80,11 @@ CASES = {
     "balise number": ("[line]\nbalises = [{number = 256, surveyed_m = 3}]", "line.balises[0].number", "255"),
     "balise key": ("[line]\nbalises = [{number = 1, position_m = 3}]", "line.balises[0].position_m", "surveyed_m"),
     "stop without stops": ('[line]\nfrom_stop = "A"\nto_stop = "B"', "line.from_stop", "the line has none"),
+    "stop of a name that stands twice": (
+        '[line]\nfrom_stop = "A"\nto_stop = "B"\nstops = [{name = "A", position_m = 0}, {name = "A", position_m = 9}]',
+        "line.from_stop",
+        "one of their numbers 0, 1",
+    ),
     "two lines": ('[line]\nttobench = "there.json"\ngrade_permil = [[0, 0]]', "line", "profiles and ttobench"),
     "stray balises": (
         "[line]\nbalises_before_stop_m = [3]",

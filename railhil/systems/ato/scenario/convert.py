@@ -97,6 +97,9 @@ def _find_stop(whole: StopLine, key: str, choice: str | int | None, refuse: Refu
     names = [stop.name for stop in whole.stops]
     if isinstance(choice, int) and 0 <= choice < len(names):
         return choice
+    if isinstance(choice, str) and names.count(choice) > 1:
+        numbers = ", ".join(str(number) for number, name in enumerate(names) if name == choice)
+        raise refuse(("line", key), Words(f"{choice} is the name of several stops"), f"one of their numbers {numbers}")
     if isinstance(choice, str) and choice in names:
         return names.index(choice)
     allowed = ", ".join(names) if names else "no stop: the line has none"

@@ -36,6 +36,7 @@ def read_new_line(source: Path, track_ids: Sequence[str], folder: Path, train: M
     :param train: the section ``[train]`` of the new scenario.
     :raises InputError: the file is wrong, or has no such tracks.
     """
+    chosen: tuple[str, ...] = ()
     kind = _FORMATS.get(source.suffix.lower(), "railml")
     keys: dict[str, object] = {kind: Path(os.path.relpath(source.resolve(), folder.resolve())).as_posix()}
     if kind == "ttobench":
@@ -52,6 +53,7 @@ def read_new_line(source: Path, track_ids: Sequence[str], folder: Path, train: M
         limit_kmh = train["speed_limit_kmh"]
         keys |= {"track_ids": list(track_ids)} if track_ids else {}
         keys["default_limit_kmh"] = limit_kmh
+        chosen = ("default_limit_kmh is the speed limit of the train",)
         whole = railml.load_line(source, track_ids=track_ids, default_limit_mps=limit_kmh / 3.6)
     stops = whole.stops
     far = [index for index, stop in enumerate(stops) if stop.position_m >= stops[0].position_m + _RUN_MIN_M]
@@ -60,4 +62,4 @@ def read_new_line(source: Path, track_ids: Sequence[str], folder: Path, train: M
     keys["from_stop"], keys["to_stop"] = 0, there
     keys["balises_before_stop_m"] = [before_m for before_m in _BALISES_BEFORE_STOP_M if before_m < distance_m]
     listed = tuple(f"stop {index}: {stop.name}, {stop.position_m:g} m" for index, stop in enumerate(stops))
-    return NewLine(keys, (*listed, *whole.remarks), distance_m)
+    return NewLine(keys, (*chosen, *listed, *whole.remarks), distance_m)

@@ -7,6 +7,7 @@ railML 3 wiki, IS:gradientCurve, IS:speedSection, IS:balise, IS:stoppingPlace.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -14,21 +15,25 @@ from xml.etree.ElementTree import Element
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.scenarios.profiles import Profile, merge_profiles
-from railhil.systems.ato.scenario.importers.railml_path import (
-    JOINT_M,
-    Network,
-    PathPart,
-    Stretch,
-    label,
-    read_railml,
-)
+from railhil.systems.ato.scenario.importers.railml_document import Document, label, read_railml
+from railhil.systems.ato.scenario.importers.railml_path import JOINT_M, Network, PathPart, Stretch
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_unused
 from railhil.systems.ato.scenario.model import Balise, Line
 
 _FUNCTIONAL = "infrastructure/functionalInfrastructure"
 _GEOMETRY = "infrastructure/geometry"
-#: Containers that are read.
-_USED = ("tracks", "speeds", "balises", "baliseGroups", "stoppingPlaces", "operationalPoints", "gradientCurves")
+_LINEAR = "linearLocation/associatedNetElement"
+_SPOT = "spotLocation"
+#: Containers that are read: what is read of them, and by what it has its place.
+_USED = {
+    "tracks": ("track", _LINEAR),
+    "speeds": ("speedSection", _LINEAR),
+    "gradientCurves": ("gradientCurve", _LINEAR),
+    "balises": ("balise", _SPOT),
+    "baliseGroups": ("baliseGroup", _SPOT),
+    "stoppingPlaces": ("stoppingPlace", _SPOT),
+    "operationalPoints": ("operationalPoint", _SPOT),
+}
 #: Balises are numbered downwards from here: the balises of stops are numbered upwards from 1 (``section.py``).
 _BALISES_NUMBERED = 255
 
@@ -52,50 +57,67 @@ def load_line(
     :param default_limit_mps: limit where the file has no speed section.
     :raises InputError: the file is wrong, tracks are unknown or not connected, or a limit is missing.
     """
-    path = Path(file)
-    root = read_railml(path)
-    network = Network(path, root)
-    tracks = _choose_tracks(path, root.findall(f"{_FUNCTIONAL}/tracks/track"), track_ids)
+    document = read_railml(Path(file))
+    network = Network(document)
+    tracks = _choose_tracks(document, track_ids)
     way = network.way(tracks, reverse=reverse)
-    if way[-1].end_m < JOINT_M:
-        raise InputError(path, f"{label(tracks[0])} linearLocation", Words("has no length"), "a way to run on")
-    grades, level = _grades(network, way, root)
-    limits = _limits(network, way, root, default_limit_mps)
-    parts = [item for above in (_FUNCTIONAL, _GEOMETRY) for item in root.iterfind(f"{above}/*")]
-    unused = sorted({item.tag for item in parts}.difference(_USED))
-    grouped = [
-        item.get("id", "")
-        for part in parts
-        if part.tag in ("speeds", "gradientCurves")
-        for item in part
-        if any(place.get("netElementRef") in network.groups for place in item.iter("associatedNetElement"))
-    ]
-    if grouped:
-        unused.append(f"places on groups of net elements ({', '.join(grouped)})")
-    remarks = list_unused(unused)
+    grades, level = _grades(document, network, way)
+    limits, unlimited = _limits(document, network, way, default_limit_mps)
+    stops, numbered = _stops(document, network, way)
+    remarks = list(list_unused(_unused(document, network)))
     if level:
-        remarks += (f"level where its file has no gradient: {_list_stretches(level)}",)
-    line = Line(", ".join(track.get("id", "") for track in tracks), grades, limits, _balises(network, way, root))
-    return StopLine(line, _stops(network, way, root), remarks)
+        remarks.append(f"level where its file has no gradient: {_list_stretches(level)}")
+    if unlimited and default_limit_mps is not None:
+        limit = f"limit of {default_limit_mps * 3.6:g} km/h where its file has no speed section"
+        remarks.append(f"{limit}: {_list_stretches(unlimited)}")
+    turned = _turned_sections(document, network, way)
+    if turned:
+        remarks.append(f"direction of speed sections counted along their falling positions: {', '.join(turned)}")
+    if numbered:
+        remarks.append(f"numbered because their names stand twice: {', '.join(numbered)}")
+    line = Line(", ".join(track.get("id", "") for track in tracks), grades, limits, _balises(document, network, way))
+    return StopLine(line, stops, tuple(remarks))
 
 
-def _choose_tracks(file: Path, tracks: Sequence[Element], wanted: Sequence[str]) -> list[Element]:
-    by_id = {track.get("id", ""): track for track in tracks}
+def _unused(document: Document, network: Network) -> list[str]:
+    """What the file has but is not read: whole kinds, and of the kinds that are read what has no place on the way."""
+    unused: set[str] = set()
+    lost: dict[str, list[str]] = {"places on groups of net elements": [], "what has no location of its kind": []}
+    grouped, unplaced = lost.values()
+    for part in (item for above in (_FUNCTIONAL, _GEOMETRY) for item in document.root.iterfind(f"{above}/*")):
+        if part.tag not in _USED:
+            unused.add(part.tag)
+            continue
+        tag, place = _USED[part.tag]
+        unused.update(f"{item.tag} of {part.tag}" for item in part if item.tag != tag)
+        for item in part.iterfind(tag):
+            name = item.get("id") or tag
+            elements = {one.get("netElementRef", "") for one in item.iterfind(place)}
+            if not elements.isdisjoint(network.groups):
+                grouped.append(name)
+            if not elements or any(one.find("associatedNetElement") is None for one in item.iterfind("linearLocation")):
+                unplaced.append(name)
+    return sorted(unused) + [f"{why} ({', '.join(names)})" for why, names in lost.items() if names]
+
+
+def _choose_tracks(document: Document, wanted: Sequence[str]) -> list[Element]:
+    by_id = document.by_id(document.root.iterfind(f"{_FUNCTIONAL}/tracks/track"))
     if not by_id:
-        raise InputError(file, f"{_FUNCTIONAL}/tracks", Words(), "tracks")
+        raise InputError(document.file, f"{_FUNCTIONAL}/tracks", Words(), "tracks")
+    allowed = f"some of {', '.join(by_id)}"
     if not wanted:
         if len(by_id) > 1:
-            raise InputError(file, "line.track_ids", Words("no choice among several"), f"some of {', '.join(by_id)}")
+            raise InputError(document.file, "line.track_ids", Words("no choice among several"), allowed)
         return list(by_id.values())
     for name in wanted:
         if name not in by_id:
-            raise InputError(file, "line.track_ids", name, f"some of {', '.join(by_id)}", did_you_mean(name, by_id))
+            raise InputError(document.file, "line.track_ids", name, allowed, did_you_mean(name, by_id))
     return [by_id[name] for name in wanted]
 
 
 def _name(item: Element) -> str:
-    names = [name for one in item.iterfind("name") if (name := one.get("name"))]
-    return names[0] if names else item.get("id", "")
+    names = (*(one.get("name") for one in item.iterfind("name")), item.get("id"))
+    return next((" ".join(name.split()) for name in names if name and name.strip()), item.tag)
 
 
 def _on_way(way: Sequence[PathPart], stretch: Stretch) -> Iterator[tuple[PathPart, float, float]]:
@@ -107,12 +129,15 @@ def _on_way(way: Sequence[PathPart], stretch: Stretch) -> Iterator[tuple[PathPar
             yield part, begin_m, end_m
 
 
-def _limits(network: Network, way: Sequence[PathPart], root: Element, default_mps: float | None) -> Profile:
+def _limits(
+    document: Document, network: Network, way: Sequence[PathPart], default_mps: float | None
+) -> tuple[Profile, list[tuple[float, float]]]:
+    """Limits, and the stretches without any, where the default limit holds."""
     pieces: list[_Piece] = []
-    for item in root.iterfind(f"{_FUNCTIONAL}/speeds/speedSection"):
-        limit_kmh = network.number(item, "maxSpeed")
+    for item in document.root.iterfind(f"{_FUNCTIONAL}/speeds/speedSection"):
+        limit_kmh = document.number(item, "maxSpeed")
         if limit_kmh <= 0:
-            raise InputError(network.file, f"{label(item)} maxSpeed", item.get("maxSpeed"), "a speed above 0")
+            raise InputError(document.file, f"{label(item)} maxSpeed", item.get("maxSpeed"), "a speed above 0")
         for stretch in network.stretches(item):
             for part, begin_m, end_m in _on_way(way, stretch):
                 if part.sign in stretch.directions and end_m > begin_m:
@@ -123,25 +148,37 @@ def _limits(network: Network, way: Sequence[PathPart], root: Element, default_mp
         values = [value for low_m, high_m, value in pieces if low_m <= begin_m and high_m >= end_m]
         if values:
             rows.append((begin_m, min(values)))
-        elif default_mps is not None:
-            rows.append((begin_m, default_mps))
         else:
             open_m.append((begin_m, end_m))
-    if open_m:
+            rows.append((begin_m, math.nan if default_mps is None else default_mps))
+    if open_m and default_mps is None:
         found = Words(f"the file has no speed section for {_list_stretches(open_m)}")
-        raise InputError(network.file, "line.default_limit_kmh", found, "the limit that holds there")
-    return merge_profiles(tuple(rows))
+        raise InputError(document.file, "line.default_limit_kmh", found, "the limit that holds there")
+    return merge_profiles(tuple(rows)), open_m
 
 
-def _grades(network: Network, way: Sequence[PathPart], root: Element) -> tuple[Profile, list[tuple[float, float]]]:
+def _turned_sections(document: Document, network: Network, way: Sequence[PathPart]) -> list[str]:
+    """Speed sections on the way that have a direction and run against their net element.
+
+    Another reader may count the direction by the net element, and find the limit in the other one.
+    """
+    return [
+        item.get("id") or item.tag
+        for item in document.root.iterfind(f"{_FUNCTIONAL}/speeds/speedSection")
+        if any(one.get("applicationDirection") in ("normal", "reverse") for one in item.iterfind("linearLocation"))
+        and any(one.sign < 0 and any(_on_way(way, one)) for one in network.stretches(item))
+    ]
+
+
+def _grades(document: Document, network: Network, way: Sequence[PathPart]) -> tuple[Profile, list[tuple[float, float]]]:
     """Grades, and the stretches without any, which are taken as level."""
     pieces: list[_Piece] = []
     curved: list[tuple[float, float]] = []
-    for item in root.iterfind(f"{_GEOMETRY}/gradientCurves/gradientCurve"):
-        is_constant = item.get("gradient") is not None
-        if item.get("deltaGradient") is not None and network.number(item, "deltaGradient") != 0:
+    for item in document.root.iterfind(f"{_GEOMETRY}/gradientCurves/gradientCurve"):
+        is_constant = item.get("gradient") is not None or item.get("curveType") != "arc"
+        if item.get("deltaGradient") is not None and document.number(item, "deltaGradient") != 0:
             is_constant = False
-        permil = network.number(item, "gradient") if is_constant else 0.0
+        permil = document.number(item, "gradient") if is_constant else 0.0
         for stretch in network.stretches(item):
             for part, begin_m, end_m in _on_way(way, stretch):
                 if end_m - begin_m < JOINT_M:
@@ -151,7 +188,7 @@ def _grades(network: Network, way: Sequence[PathPart], root: Element) -> tuple[P
                 for low_m, high_m, other in pieces:
                     if is_constant and other != own and min(high_m, end_m) - max(low_m, begin_m) > JOINT_M:
                         found = Words(f"is {own:g} permil where another curve is {other:g}")
-                        raise InputError(network.file, f"{label(item)} gradient", found, "one gradient at each place")
+                        raise InputError(document.file, f"{label(item)} gradient", found, "one gradient at each place")
                 if is_constant:
                     pieces.append((begin_m, end_m, own))
                 else:
@@ -195,10 +232,11 @@ def _standing(network: Network, way: Sequence[PathPart], items: Sequence[Element
     return sorted(found, key=lambda one: one[0])
 
 
-def _balises(network: Network, way: Sequence[PathPart], root: Element) -> tuple[Balise, ...]:
+def _balises(document: Document, network: Network, way: Sequence[PathPart]) -> tuple[Balise, ...]:
     """The balises; of a file without balises on the way the groups of balises."""
     for kind in ("balises/balise", "baliseGroups/baliseGroup"):
-        places = dict.fromkeys(at_m for at_m, _ in _standing(network, way, root.findall(f"{_FUNCTIONAL}/{kind}")))
+        items = document.root.findall(f"{_FUNCTIONAL}/{kind}")
+        places = dict.fromkeys(at_m for at_m, _ in _standing(network, way, items))
         if places:
             return tuple(
                 Balise(_BALISES_NUMBERED - number % _BALISES_NUMBERED, at_m, at_m) for number, at_m in enumerate(places)
@@ -206,12 +244,20 @@ def _balises(network: Network, way: Sequence[PathPart], root: Element) -> tuple[
     return ()
 
 
-def _stops(network: Network, way: Sequence[PathPart], root: Element) -> tuple[Stop, ...]:
-    end_m = way[-1].end_m
-    named = {"start": 0.0}
+def _stops(document: Document, network: Network, way: Sequence[PathPart]) -> tuple[tuple[Stop, ...], list[str]]:
+    """The stops in running order, and the names that got a number because another stop has them."""
+    start, end = Stop("start", 0.0), Stop("end", way[-1].end_m)
+    stops = {start.name: start, end.name: end}
+    numbered: list[str] = []
     for kind in ("stoppingPlaces/stoppingPlace", "operationalPoints/operationalPoint"):
-        for at_m, item in _standing(network, way, root.findall(f"{_FUNCTIONAL}/{kind}")):
-            if 0.0 < at_m < end_m:
-                named.setdefault(_name(item), at_m)
-    named.setdefault("end", end_m)
-    return tuple(Stop(name, at_m) for name, at_m in sorted(named.items(), key=lambda one: one[1]))
+        for at_m, item in _standing(network, way, document.root.findall(f"{_FUNCTIONAL}/{kind}")):
+            name = _name(item)
+            number = 1
+            while name in stops and abs(stops[name].position_m - at_m) >= JOINT_M:
+                number += 1
+                name = f"{_name(item)} {number}"
+            if name not in stops:
+                stops[name] = Stop(name, at_m)
+                numbered += [name] if number > 1 else []
+    # The end comes after all that stands at its place.
+    return tuple(sorted(stops.values(), key=lambda one: (one.position_m, one is end))), numbered

@@ -10,24 +10,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from xml.etree.ElementTree import Element, TreeBuilder
-from xml.parsers import expat
+from itertools import pairwise
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.common.user_files import given_bytes, refuse_unreadable
+from railhil.systems.ato.scenario.importers.railml_document import Document, label
 
-_NAMESPACE = "https://www.railml.org/schemas/3."
-_EXPECTED = "infrastructure in railML 3"
 _METRES = {**dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0)}
 _METRES |= dict.fromkeys(("km", "kilometre", "kilometres", "kilometer", "kilometers"), 1000.0)
 #: Ends of neighbouring pieces of track may differ by this much.
 JOINT_M = 0.01
 #: A place may lie this far outside its net element, by the rounding of its position.
 _OUTSIDE_MAX_M = 1.0
-_TRUE = ("true", "1")
+_TRUTHS = {"true": True, "1": True, "false": False, "0": False}
+#: Whether a net relation may be run from A to B, and from B to A.
+_NAVIGABLE = {"Both": (True, True), "AB": (True, False), "BA": (False, True), "None": (False, False)}
+
+#: A net element, and the positions on it (m) from which and to which a train runs.
+_Run = tuple[str, float, float]
+#: A net element, and its end: 0, 1, or -1 for a place between them.
+_End = tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,95 +81,35 @@ class PathPart:
         return min(max(self.start_m + (at_m - self.from_m) * self.sign, self.start_m), self.end_m)
 
 
-def read_railml(file: Path) -> Element:
-    """The document, names of elements without their namespace.
-
-    A document type (and so every entity of its own) is refused.
-
-    :raises InputError: it is no XML, or not railML 3.
-    """
-    with refuse_unreadable(file, _EXPECTED):
-        content = given_bytes(file)
-    builder = TreeBuilder()
-    parser = expat.ParserCreate(namespace_separator=" ")
-
-    def refuse_type(name: str, *_: object) -> None:
-        raise InputError(file, f"<!DOCTYPE {name}>", Words("has a document type"), f"{_EXPECTED} without one")
-
-    parser.StartDoctypeDeclHandler = refuse_type
-    parser.StartElementHandler = lambda name, attributes: builder.start(_local(name), attributes)
-    parser.EndElementHandler = lambda name: builder.end(_local(name))
-    try:
-        parser.Parse(content, True)
-    except (expat.ExpatError, LookupError) as error:
-        # A LookupError is an encoding that Python does not know.
-        raise InputError(file, "", Words("is no XML"), _EXPECTED, str(error)) from None
-    root = builder.close()
-    if root.tag != "railML":
-        raise InputError(file, "", Words(f"begins with <{root.tag.rpartition(' ')[2]}>"), f"{_EXPECTED}: <railML>")
-    return root
-
-
-def _local(name: str) -> str:
-    """Name of an element of railML 3 without its namespace, any other as it is."""
-    return name.rpartition(" ")[2] if name.startswith(_NAMESPACE) else name
-
-
-def label(item: Element) -> str:
-    """How errors name an element."""
-    return f"{item.tag} {item.get('id', '')}".rstrip()
-
-
 class Network:
     """Net elements and their connections."""
 
-    def __init__(self, file: Path, root: Element) -> None:
-        self.file = file
-        self._scale = {item.get("id", ""): item.get("units", "m") for item in root.iter("linearPositioningSystem")}
-        elements = list(root.iterfind("infrastructure/topology/netElements/netElement"))
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._file = document.file
+        self._systems = document.by_id(document.root.iter("linearPositioningSystem"))
+        elements = document.by_id(document.root.iterfind("infrastructure/topology/netElements/netElement"))
         if not elements:
-            raise InputError(file, "infrastructure/topology/netElements", Words(), "net elements")
+            raise InputError(self._file, "infrastructure/topology/netElements", Words(), "net elements")
         #: Net elements that consist of others.
         self.groups = {
-            item.get("id", "")
-            for item in elements
+            name
+            for name, item in elements.items()
             if item.find("elementCollectionOrdered") is not None or item.find("elementCollectionUnordered") is not None
         }
-        self._elements = {
-            item.get("id", ""): self._net_element(item) for item in elements if item.get("id", "") not in self.groups
-        }
-        self._joints: set[frozenset[tuple[str, int]]] = set()
-        for relation in root.iterfind("infrastructure/topology/netRelations/netRelation"):
-            ends = [
-                (end.get("ref", ""), int(relation.get(place) == "1"))
-                for tag, place in (("elementA", "positionOnA"), ("elementB", "positionOnB"))
-                for end in relation.iterfind(tag)
-            ]
-            if relation.get("navigability") != "None":
-                self._joints.add(frozenset(ends))
-
-    def number(self, item: Element, key: str, named: Element | None = None) -> float:
-        """A finite number of an attribute that is there. Raises :class:`InputError`."""
-        text = item.get(key)
-        where = f"{label(item if named is None else named)} {key}"
-        if text is None:
-            raise InputError(self.file, where, Words(), "a number")
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise InputError(self.file, where, text, "a number")
-        return value
+        self._elements = {name: self._net_element(item) for name, item in elements.items() if name not in self.groups}
 
     def _net_element(self, item: Element) -> NetElement:
         ends: dict[str, list[tuple[float, float]]] = {}
         for place in item.iterfind("associatedPositioningSystem/intrinsicCoordinate"):
             for coordinate in place.iterfind("linearCoordinate"):
                 system, measure_m = self._measure(item, coordinate)
-                ends.setdefault(system, []).append((measure_m, self.number(place, "intrinsicCoord")))
+                share = self._document.number(place, "intrinsicCoord")
+                if not 0 <= share <= 1:
+                    raise InputError(self._file, f"{label(place)} intrinsicCoord", share, "from 0 to 1")
+                ends.setdefault(system, []).append((measure_m, share))
         if item.get("length") is not None:
-            length_m = self.number(item, "length")
+            length_m = self._document.number(item, "length")
         else:
             spans = [abs(rows[-1][0] - rows[0][0]) for rows in ends.values() if rows[0][1] == 0 and rows[-1][1] == 1]
             length_m = spans[0] if spans else math.nan
@@ -175,10 +119,15 @@ class Network:
     def _measure(self, item: Element, coordinate: Element) -> tuple[str, float]:
         """Positioning system and measure in m."""
         system = coordinate.get("positioningSystemRef", "")
-        units = self._scale.get(system, "m")
-        if units.lower() not in _METRES:
-            raise InputError(self.file, f"linearPositioningSystem {system} units", units, "m or km")
-        return system, self.number(coordinate, "measure", item) * _METRES[units.lower()]
+        if system not in self._systems:
+            hint = did_you_mean(system, self._systems)
+            where, found = f"{label(item)} positioningSystemRef", system or Words()
+            raise InputError(self._file, where, found, "the id of a linear positioning system", hint)
+        units = self._systems[system].get("units")
+        if units is None or units.lower() not in _METRES:
+            where, found = f"linearPositioningSystem {system} units", Words() if units is None else units
+            raise InputError(self._file, where, found, "m or km")
+        return system, self._document.number(coordinate, "measure", item) * _METRES[units.lower()]
 
     def element(self, item: Element, place: Element) -> tuple[str, NetElement] | None:
         """The net element on which an item has a location; None for a group of net elements."""
@@ -187,48 +136,63 @@ class Network:
             return None
         if name not in self._elements:
             hint = did_you_mean(name, self._elements)
-            raise InputError(self.file, f"{label(item)} netElementRef", name, "the id of a net element", hint)
-        if not self._elements[name].length_m > 0:
-            raise InputError(self.file, f"netElement {name} length", Words(), "a length, or measures of both ends")
+            raise InputError(self._file, f"{label(item)} netElementRef", name, "the id of a net element", hint)
+        length_m = self._elements[name].length_m
+        if not length_m > 0:
+            found = Words() if math.isnan(length_m) else length_m
+            raise InputError(self._file, f"netElement {name} length", found, "a length, or measures of both ends")
         return name, self._elements[name]
 
     def _offset_m(self, item: Element, place: Element, suffix: str, one: NetElement) -> float | None:
         """Position on a net element; None if the location does not say.
 
-        :raises InputError: it lies outside.
+        :raises InputError: it lies outside, or is said in a way that is not read.
         """
-        at_m = self._given_m(item, place, suffix, one)
-        if at_m is None:
-            return None
-        if not -_OUTSIDE_MAX_M <= at_m <= one.length_m + _OUTSIDE_MAX_M:
-            allowed = f"from 0 to {one.length_m:g}, the length of {place.get('netElementRef')}"
-            raise InputError(self.file, f"{label(item)} pos{suffix}", at_m, allowed)
-        return min(max(at_m, 0.0), one.length_m)
-
-    def _given_m(self, item: Element, place: Element, suffix: str, one: NetElement) -> float | None:
-        if place.get(f"pos{suffix}") is not None:
-            return self.number(place, f"pos{suffix}", item)
-        if place.get(f"intrinsicCoord{suffix}") is not None:
-            return self.number(place, f"intrinsicCoord{suffix}", item) * one.length_m
+        name = place.get("netElementRef")
+        # A position in m, or a share of the length.
+        for key, most, scale_m in ((f"pos{suffix}", one.length_m, 1.0), (f"intrinsicCoord{suffix}", 1.0, one.length_m)):
+            if place.get(key) is not None:
+                given = self._document.number(place, key, item)
+                outside_max = _OUTSIDE_MAX_M / scale_m
+                if not -outside_max <= given <= most + outside_max:
+                    allowed = f"from 0 to {most:g} on {name}, which is {one.length_m:g} m long"
+                    raise InputError(self._file, f"{label(item)} {key}", given, allowed)
+                return min(max(given, 0.0), most) * scale_m
         for coordinate in place.iterfind(f"linearCoordinate{suffix}"):
             system, measure_m = self._measure(item, coordinate)
             if system in one.measures:
-                known_m, at_m = zip(*one.measures[system], strict=True)
+                known_m, at_m = self._measures(place, one, system)
+                if not known_m[0] - _OUTSIDE_MAX_M <= measure_m <= known_m[-1] + _OUTSIDE_MAX_M:
+                    allowed = f"from {known_m[0]:g} to {known_m[-1]:g} m, the measures of {name}"
+                    raise InputError(self._file, f"{label(item)} measure", measure_m, allowed)
                 return float(np.interp(measure_m, known_m, at_m))
+        for unread in (f"linearCoordinate{suffix}", f"geometricCoordinate{suffix}"):
+            if place.find(unread) is not None:
+                found = Words(f"gives no place on {name}")
+                raise InputError(self._file, f"{label(item)} {unread}", found, "pos, intrinsicCoord or a measure of it")
         return None
+
+    def _measures(self, place: Element, one: NetElement, system: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Rising measures of a system on a net element, and their positions."""
+        known_m, at_m = zip(*one.measures[system], strict=True)
+        steps_m = np.diff(at_m)
+        if not (np.diff(known_m) > 0).all() or not ((steps_m > 0).all() or (steps_m < 0).all()):
+            where = f"netElement {place.get('netElementRef')} associatedPositioningSystem"
+            raise InputError(self._file, where, Words(f"has measures of {system} out of order"), "one place for each")
+        return known_m, at_m
 
     def stretches(self, item: Element) -> Iterator[Stretch]:
         """The parts of net elements that a linear location covers, in its order."""
         for location in item.iterfind("linearLocation"):
             parts = location.findall("associatedNetElement")
             if all(part.get("sequence") for part in parts):
-                parts.sort(key=lambda part: self.number(part, "sequence", item))
+                parts.sort(key=lambda part: self._document.number(part, "sequence", item))
             for part in parts:
                 found = self.element(item, part)
                 if found is None:
                     continue
                 name, one = found
-                keeps = part.get("keepsOrientation", "true") in _TRUE
+                keeps = self._document.choice(part, "keepsOrientation", _TRUTHS, absent=True, named=item)
                 begin_m = self._offset_m(item, part, "Begin", one)
                 end_m = self._offset_m(item, part, "End", one)
                 begin_m = (0.0 if keeps else one.length_m) if begin_m is None else begin_m
@@ -236,7 +200,7 @@ class Network:
                 # Positions that fall say more than the flag: exporters set it to true beside them.
                 sign = -1 if begin_m > end_m or not keeps else 1
                 low_m, high_m = sorted((begin_m, end_m))
-                yield Stretch(name, low_m, high_m, sign, _directions(location, (sign,), sign))
+                yield Stretch(name, low_m, high_m, sign, self._directions(item, location, (sign,), sign))
 
     def spots(self, item: Element) -> Iterator[Stretch]:
         """The points at which an item stands (``low_m`` and ``high_m`` are equal)."""
@@ -247,50 +211,83 @@ class Network:
             name, one = found
             at_m = self._offset_m(item, place, "", one)
             if at_m is None:
-                raise InputError(self.file, f"{label(item)} spotLocation", Words(), "pos, intrinsicCoord or a measure")
-            yield Stretch(name, at_m, at_m, 1, _directions(place, (1, -1), 1))
+                raise InputError(self._file, f"{label(item)} spotLocation", Words(), "pos, intrinsicCoord or a measure")
+            yield Stretch(name, at_m, at_m, 1, self._directions(item, place, (1, -1), 1))
+
+    def _directions(self, item: Element, place: Element, absent: tuple[int, ...], sign: int) -> tuple[int, ...]:
+        """Directions of the net element in which a location applies, which itself runs in direction ``sign``."""
+        meanings = {"normal": (sign,), "reverse": (-sign,), "both": (1, -1)}
+        return self._document.choice(place, "applicationDirection", meanings, absent=absent, named=item)
 
     def way(self, tracks: Sequence[Element], *, reverse: bool) -> tuple[PathPart, ...]:
         """The way along tracks in this order, the first one as it runs or against.
 
-        :raises InputError: a track does not begin or end where the one before it ends.
+        A later one is run in its direction if both directions are connected.
+
+        :raises InputError: a track has no length, or does not begin or end where the one before it ends.
         """
+        runs = [self._runs(track) for track in tracks]
+        joints = self._joints({element for own in runs for element, _, _ in own})
+        whole: list[_Run] = []
+        for track, own in zip(tracks, runs, strict=True):
+            turned: list[_Run] = [(element, to_m, from_m) for element, from_m, to_m in reversed(own)]
+            choices = [own, turned] if whole else [turned if reverse else own]
+            fitting = [
+                one
+                for one in choices
+                if all(self._is_joined(here, there, joints) for here, there in pairwise([*whole[-1:], *one]))
+            ]
+            if not fitting:
+                allowed = "a track whose net elements are joined by net relations in the direction of running"
+                if whole:
+                    element, _, left_m = whole[-1]
+                    allowed = f"a track that begins or ends where {element} is left, at {left_m:g} m"
+                raise InputError(self._file, label(track), Words("is not connected"), allowed)
+            whole += fitting[0]
         parts: list[PathPart] = []
-        for track in tracks:
-            own = [(one.element, *self._ends(one)) for one in self.stretches(track)]
-            if not own:
-                raise InputError(self.file, f"{label(track)} linearLocation", Words(), "net elements")
-            turned = [(element, to_m, from_m) for element, from_m, to_m in reversed(own)]
-            if not parts:
-                chosen = turned if reverse else own
-            else:
-                last = parts[-1]
-                fitting = [one for one in (own, turned) if self._joined((last.element, last.to_m), one[0][:2])]
-                if not fitting:
-                    allowed = f"a track that begins or ends where {last.element} is left, at {last.to_m:g} m"
-                    raise InputError(self.file, label(track), Words("is not connected"), allowed)
-                chosen = fitting[0]
-            for element, from_m, to_m in chosen:
-                parts.append(PathPart(element, from_m, to_m, parts[-1].end_m if parts else 0.0))
+        for element, from_m, to_m in whole:
+            parts.append(PathPart(element, from_m, to_m, parts[-1].end_m if parts else 0.0))
         return tuple(parts)
 
-    @staticmethod
-    def _ends(one: Stretch) -> tuple[float, float]:
-        return (one.low_m, one.high_m) if one.sign > 0 else (one.high_m, one.low_m)
+    def _runs(self, track: Element) -> list[_Run]:
+        """The net elements of a track in its direction."""
+        stretches = list(self.stretches(track))
+        where = f"{label(track)} linearLocation"
+        if not stretches:
+            raise InputError(self._file, where, Words(), "net elements")
+        if any(one.high_m - one.low_m < JOINT_M for one in stretches):
+            raise InputError(self._file, where, Words("has no length"), "a way to run on")
+        return [
+            (one.element, one.low_m, one.high_m) if one.sign > 0 else (one.element, one.high_m, one.low_m)
+            for one in stretches
+        ]
 
-    def _joined(self, here: tuple[str, float], there: tuple[str, float]) -> bool:
-        if here[0] == there[0] and abs(here[1] - there[1]) < JOINT_M:
-            return True
-        return frozenset((self._end(*here), self._end(*there))) in self._joints
+    def _joints(self, elements: set[str]) -> set[tuple[_End, _End]]:
+        """The ends of these net elements that may be run over, each as (end that is left, end that is entered)."""
+        joints: set[tuple[_End, _End]] = set()
+        for relation in self._document.root.iterfind("infrastructure/topology/netRelations/netRelation"):
+            names = [end.get("ref", "") for side in "AB" for end in relation.iterfind(f"element{side}")]
+            if len(names) != 2 or not elements.issuperset(names):
+                continue
+            ends = [
+                (name, self._document.choice(relation, f"positionOn{side}", {"0": 0, "1": 1}))
+                for name, side in zip(names, "AB", strict=True)
+            ]
+            forwards, backwards = self._document.choice(relation, "navigability", _NAVIGABLE)
+            if forwards:
+                joints.add((ends[0], ends[1]))
+            if backwards:
+                joints.add((ends[1], ends[0]))
+        return joints
 
-    def _end(self, name: str, at_m: float) -> tuple[str, int]:
-        """The end of a net element at a position on it; a place that is none is end -1."""
+    def _is_joined(self, here: _Run, there: _Run, joints: set[tuple[_End, _End]]) -> bool:
+        """Whether a train that has run ``here`` goes on ``there`` without turning round."""
+        if here[0] == there[0] and abs(here[2] - there[1]) < JOINT_M:
+            return (here[1] < here[2]) == (there[1] < there[2])
+        left, entered = self._end(here[0], here[2]), self._end(there[0], there[1])
+        return (left, entered) in joints
+
+    def _end(self, name: str, at_m: float) -> _End:
         if at_m < JOINT_M:
             return name, 0
         return name, 1 if at_m > self._elements[name].length_m - JOINT_M else -1
-
-
-def _directions(place: Element, absent: tuple[int, ...], sign: int) -> tuple[int, ...]:
-    """Directions of the net element in which a location applies, which itself runs in direction ``sign``."""
-    given = {"normal": (sign,), "reverse": (-sign,), "both": (1, -1)}
-    return given.get(place.get("applicationDirection", ""), absent)
