@@ -97,7 +97,9 @@ LOCATION_OF_S3 = """
         (SPOT_OF_NORTH, "", "what has no location of its kind (p1)"),
         ('netElementRef="ne_south" pos="195"', 'netElementRef="ne_line" pos="1"', "net elements (b4, s5)"),
         ('<gradientCurve id="g1"', '<gradient/><gradientCurve id="g1"', "gradient of gradientCurves"),
-        ('id="s2_l"', 'id="s2_l" applicationDirection="normal"', "counted along their falling positions: s2"),
+        ('id="s2_l"', 'id="s2_l" applicationDirection="normal"', "runs against its net element: s2"),
+        ('posBegin="0" posEnd="700"', 'posBegin="700" posEnd="0"', "runs against its net element: g4"),
+        ('posBegin="700" posEnd="800"', 'posBegin="800" posEnd="800"', "places without length (g3)"),
         ('name="North"', 'name="end"', "names stand twice: end 2"),
     ],
 )

@@ -70,9 +70,9 @@ def load_line(
     if unlimited and default_limit_mps is not None:
         limit = f"limit of {default_limit_mps * 3.6:g} km/h where its file has no speed section"
         remarks.append(f"{limit}: {_list_stretches(unlimited)}")
-    turned = _turned_sections(document, network, way)
+    turned = _turned(document, network, way)
     if turned:
-        remarks.append(f"direction of speed sections counted along their falling positions: {', '.join(turned)}")
+        remarks.append(f"direction counted along the place, which runs against its net element: {', '.join(turned)}")
     if numbered:
         remarks.append(f"numbered because their names stand twice: {', '.join(numbered)}")
     line = Line(", ".join(track.get("id", "") for track in tracks), grades, limits, _balises(document, network, way))
@@ -82,8 +82,9 @@ def load_line(
 def _unused(document: Document, network: Network) -> list[str]:
     """What the file has but is not read: whole kinds, and of the kinds that are read what has no place on the way."""
     unused: set[str] = set()
-    lost: dict[str, list[str]] = {"places on groups of net elements": [], "what has no location of its kind": []}
-    grouped, unplaced = lost.values()
+    grouped: list[str] = []
+    unplaced: list[str] = []
+    short: list[str] = []
     for part in (item for above in (_FUNCTIONAL, _GEOMETRY) for item in document.root.iterfind(f"{above}/*")):
         if part.tag not in _USED:
             unused.add(part.tag)
@@ -97,6 +98,13 @@ def _unused(document: Document, network: Network) -> list[str]:
                 grouped.append(name)
             if not elements or any(one.find("associatedNetElement") is None for one in item.iterfind("linearLocation")):
                 unplaced.append(name)
+            if any(one.high_m - one.low_m < JOINT_M for one in network.stretches(item)):
+                short.append(name)
+    lost = {
+        "places on groups of net elements": grouped,
+        "what has no location of its kind": unplaced,
+        "places without length": short,
+    }
     return sorted(unused) + [f"{why} ({', '.join(names)})" for why, names in lost.items() if names]
 
 
@@ -157,16 +165,20 @@ def _limits(
     return merge_profiles(tuple(rows)), open_m
 
 
-def _turned_sections(document: Document, network: Network, way: Sequence[PathPart]) -> list[str]:
-    """Speed sections on the way that have a direction and run against their net element.
+def _turned(document: Document, network: Network, way: Sequence[PathPart]) -> list[str]:
+    """Grades and speed sections with a direction on the way whose places run against their net elements.
 
-    Another reader may count the direction by the net element, and find the limit in the other one.
+    Another reader may count them by the net element, and find another sign or the limit of the other direction.
     """
-    return [
-        item.get("id") or item.tag
+    sections = [
+        item
         for item in document.root.iterfind(f"{_FUNCTIONAL}/speeds/speedSection")
         if any(one.get("applicationDirection") in ("normal", "reverse") for one in item.iterfind("linearLocation"))
-        and any(one.sign < 0 and any(_on_way(way, one)) for one in network.stretches(item))
+    ]
+    return [
+        item.get("id") or item.tag
+        for item in (*document.root.iterfind(f"{_GEOMETRY}/gradientCurves/gradientCurve"), *sections)
+        if any(one.sign < 0 and any(_on_way(way, one)) for one in network.stretches(item))
     ]
 
 
