@@ -70,7 +70,7 @@ def test_it_says_what_it_wrote_and_what_comes_next(here, tmp_path):
         "next: cd mylaw",
         "      pip install -e .",
         "      railhil run --controller mylaw",
-        "      railhil audit lvshun_tieshan --controller mylaw",
+        "      railhil audit lvshun_tieshan --controller mylaw --runs 0",
     ]
     assert (done.exit_code, done.err) == (0, "")
     written = [path for path in (tmp_path / "mylaw").rglob("*") if path.is_file()]

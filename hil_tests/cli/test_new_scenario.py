@@ -43,7 +43,7 @@ def test_a_scenario_explains_its_keys_as_the_reference_does(here, tmp_path):
     key = known["timing.control_period_ms"]
     assert lines[place - 1] == f"# {key.meaning} (in {key.unit}; default {key.default}; {key.allowed})"
     assert "#wheel_factor = 1.0" in lines, "a default that no file says"
-    assert "# mass with its load (in t; no default; number from 1e-09 to 1e+07)" in lines
+    assert "# mass with its load (in t; no default; number above 0 to 1e7)" in lines
     assert not [line for line in lines if line.startswith("#running_time_reserve_percent")]
 
 

@@ -65,7 +65,7 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
 
 
 def assumption_lines(scenario: AnyScenario, name: str, folder: Path, verbose: bool) -> list[str]:
-    """The scenario's choices where its sources give no value: one summary line, or all of them.
+    """What the scenario says of its values that are chosen: one summary line, or all of them.
 
     :param name: with which the scenario is loaded again, its name or its file.
     :param folder: the run folder; its report lists them.
@@ -74,8 +74,7 @@ def assumption_lines(scenario: AnyScenario, name: str, folder: Path, verbose: bo
     if verbose or not sentences:
         return [f"assumed: {sentence}" for sentence in sentences]
     where = f"listed in {folder / REPORT}" if (folder / REPORT).is_file() else f"railhil scenarios {quote(name)}"
-    choices = count_of(len(sentences), "choice")
-    return [f"assumed: {choices} of the scenario that its sources leave open ({where}, or --verbose)"]
+    return [f"assumed: {count_of(len(sentences), 'choice')} that the scenario names ({where}, or --verbose)"]
 
 
 def next_step(run: Record, folder: Path) -> str:

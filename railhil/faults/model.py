@@ -44,7 +44,8 @@ class Parameter:
 
     ``unit``: one of the above. ``usual``: its value if none is given; None: it must be given. ``keyword``: word written
     before it in the text (``jitter 20ms``); several parameters in a row may share one (``gemodel 5% 40%``); empty: its
-    place says which it is. ``low``, ``high``: allowed values, inclusive.
+    place says which it is. ``low``, ``high``: allowed values, inclusive. ``example``: a value, where that of
+    its unit says nothing.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Parameter:
     keyword: str = ""
     low: float = float("-inf")
     high: float = float("inf")
+    example: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,14 +66,17 @@ def row(word: Word) -> list[str]:
 
 def _parameter(one: Parameter) -> str:
     usual = (
-        "required"
+        f"required, such as {one.example or allowed_text(one.unit)}"
         if one.usual is None
         else one.usual
         if isinstance(one.usual, str)
         else number_text(one.usual, one.unit)
     )
-    keyword = f"`{one.keyword}` " if one.keyword else ""
-    return f"{keyword}`{one.name}` {one.meaning} ({usual}; as in {allowed_text(one.unit)})"
+    keyword = f"`{one.keyword}` " if one.keyword not in ("", one.name) else ""
+    # The name alone says what begins with the same word.
+    said = (one.name.rpartition("_")[0] or one.name).replace("_", " ")
+    meaning = one.meaning.removeprefix(said).lstrip(" ,")
+    return f"{keyword}`{one.name}`{f' {meaning}' if meaning else ''} ({usual})"
 
 
 def _refusal(entry: Refusal) -> list[str]:

@@ -172,7 +172,7 @@ class SensorNoise(SensorFault):
 
 class SensorOffset(SensorFault):
     word = Word("offset", "sensor", "constant error", _MODELS,
-                (Parameter("error", NUMBER, None, "error, in m/s or m", low=-1e6, high=1e6),),
+                (Parameter("error", NUMBER, None, "error, in m/s or m", low=-1e6, high=1e6, example="0.5"),),
                 names=_NUMBERS)  # fmt: skip
 
     def changed(self, reading: Reading) -> Reading:
@@ -181,7 +181,7 @@ class SensorOffset(SensorFault):
 
 class SensorValue(SensorFault):
     word = Word("value", "sensor", "a fixed value, also a negative or impossible one", _MODELS,
-                (Parameter("value", NUMBER, None, "value, in m/s or m", low=-1e6, high=1e6),),
+                (Parameter("value", NUMBER, None, "value, in m/s or m", low=-1e6, high=1e6, example="20"),),
                 names=_NUMBERS)  # fmt: skip
 
     def changed(self, reading: Reading) -> Reading:

@@ -34,6 +34,8 @@ from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LogFollower, Receiver
 from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parse_object
+from railhil.scenarios.load import find
+from railhil.scenarios.model import AnyScenario
 
 if TYPE_CHECKING:
     from railhil.panel.foxglove import FoxgloveBridge
@@ -44,6 +46,8 @@ RATE_HZ = 10.0
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+#: Said behind the address where a person has started the panel alone.
+_ENDED_BY = " (Ctrl-C ends it)"
 _OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js")
 _OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
@@ -254,10 +258,10 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         from railhil.panel.recorded import RecordedRuns
 
         runs = RecordedRuns(namespace.what)
-        return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True)))
+        return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True), _ENDED_BY))
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", " ".join(namespace.what), "one scenario, or run folders")
-    named = named_scenario(next(iter(namespace.what), None), namespace.set, namespace.fault)
+    named = _named(next(iter(namespace.what), None), namespace)
     operator = Operator(str(namespace.operator)) if namespace.operator else None
     receiver = _make_receiver(named_bus(namespace), namespace.follow)
     source = LiveRun(RunIdentity(named, namespace.controller), receiver, operator)
@@ -271,7 +275,23 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     panel = PanelServer(source, token, port, namespace.socket)
     # A record waits for its reader, a bus does not; viewers of the bridge are not counted.
     panel.looks_alone = namespace.follow is None or bridge is not None
-    return asyncio.run(_serve(panel, Output(stderr=True), bridge, operator))
+    # A panel beside a run or in a container is ended by what has started it.
+    ended_by = "" if namespace.child or namespace.socket else _ENDED_BY
+    return asyncio.run(_serve(panel, Output(stderr=True), ended_by, bridge, operator))
+
+
+def _named(text: str | None, namespace: argparse.Namespace) -> AnyScenario | None:
+    """The scenario that a command line names; None: there is none.
+
+    :raises InputError: it cannot be loaded; for a text that names nothing, the line says that run folders are allowed.
+    """
+    if text is not None:
+        try:
+            find(text)
+        except InputError as error:
+            allowed = f"a run folder, {error.allowed}"
+            raise InputError("command line", "SCENARIO|RUN", text, allowed, error.hint) from None
+    return named_scenario(text, namespace.set, namespace.fault)
 
 
 def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
@@ -288,10 +308,14 @@ def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
 
 
 async def _serve(
-    panel: PanelServer, console: Output, bridge: FoxgloveBridge | None = None, operator: Operator | None = None
+    panel: PanelServer,
+    console: Output,
+    ended_by: str,
+    bridge: FoxgloveBridge | None = None,
+    operator: Operator | None = None,
 ) -> int:
     servers = [await panel.listen()]
-    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}")
+    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}{ended_by}")
     if bridge is not None:
         servers.append(await bridge.listen())
         console.say(f"foxglove: ws://127.0.0.1:{bridge.port}")

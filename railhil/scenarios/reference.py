@@ -13,6 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from railhil.scenarios.schema import SMALLEST
 from railhil.scenarios.system import DEFAULT, system_named
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "scenario_keys.md"
@@ -37,7 +38,7 @@ _MEANING = {
     "timing.control_period_ms": "period of the law",
     "timing.loop_delay_s": "delay from the command to the actuator's response; at most 0.3 s and one control period",
     "timing.port_period_ms": "periods of ports by name, replacing those of the port table: whole multiples of the tick",
-    "fault": "faults to inject (faults.md): tables [[fault]] or texts",
+    "fault": "[faults](faults.md) to inject: tables [[fault]] or texts",
     "published[].controller": "law of a published row, by its name in railhil",
 }
 #: Ending of a key and its unit, longer endings first.
@@ -185,8 +186,11 @@ def _describe_choice(node: Schema) -> str:
         return f"[{', '.join('number' for _ in node['prefixItems'])}]"
     if kind == "array":
         return f"array of {_describe_choice(node['items'])}"
+    if node.get("minimum") == SMALLEST:
+        node = {**node, "exclusiveMinimum": 0}
+        del node["minimum"]
     bounds = [
-        f"{word} {node[name]:g}"
+        f"{word} {node[name]:g}".replace("e+0", "e")
         for name, word in (
             ("minimum", "from"),
             ("exclusiveMinimum", "above"),

@@ -15,7 +15,8 @@ from railhil.scenarios.model import Timing
 
 #: Far beyond any railway, yet small enough that no sum or square of it overflows.
 _LARGEST = 1e7
-_SMALLEST = 1e-9
+#: The least positive value.
+SMALLEST = 1e-9
 
 #: Longest run that a scenario may ask for.
 RUNNING_TIME_MAX_S = 28_800.0
@@ -25,7 +26,7 @@ Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
 #: A row ``[x, y]`` of a table; TOML writes it as an array of two numbers.
 Pair = Annotated[tuple[Number, Number], Strict(False)]
 Pairs = Annotated[list[Pair], Field(min_length=1, max_length=100_000)]
-Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
+Positive = Annotated[float, Field(ge=SMALLEST, le=_LARGEST)]
 NotNegative = Annotated[float, Field(ge=0, le=_LARGEST)]
 Text = Annotated[str, Field(min_length=1, max_length=200)]
 Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from railhil.common.errors import InputError
 from railhil.faults.capability import REFUSALS, TRANSPORTS, check_injectable, why_not
 from railhil.faults.language import parse
 from railhil.faults.model import LEVELS
-from railhil.faults.page import PAGE, lines, page
+from railhil.faults.page import PAGE, lines, page, row
 from railhil.faults.words import CLEAR, PLACES, WORDS, levels_of, words_at
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.system import system_named
@@ -18,6 +19,21 @@ from railhil.scenarios.system import system_named
 
 def test_the_page_is_current() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "python -m railhil.faults.page writes it"
+
+
+def test_the_page_gives_an_example_of_each_value_that_is_required() -> None:
+    parts = {"counter": "TRN_SPEED.counter", "checksum": "TRN_SPEED.checksum", "signal": "TRN_SPEED.TrainSpeed"}
+    for word in WORDS:
+        for text in re.findall(r"required, such as ([^)]*)", row(word)[1]):
+            name = word.names[0] if word.names else next(iter(PLACES.get(word.level, ())), "TRN_SPEED")
+            place = parts.get(word.part) or f"{word.level}.{name}".removeprefix("telegram.")
+            (required,) = [one for one in word.parameters if one.usual is None]
+            assert parse(f"{place} {word.name} {text} @manual").values[required.name] is not None
+
+
+def test_a_meaning_does_not_begin_with_the_name_again() -> None:
+    values = [cell for word in WORDS for cell in row(word)[1].split("; ")]
+    assert not [cell for cell in values if re.match(r"`(\w+?)(_\w+)?` \1\b", cell) and "`gemodel`" not in cell]
 
 
 def test_every_level_has_words_and_each_place_one() -> None:

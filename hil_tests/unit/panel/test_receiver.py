@@ -107,6 +107,13 @@ def test_a_bus_and_a_record_are_refused_together(tmp_path: Path) -> None:
         serve_panel(arguments().parse_args(words))
 
 
+def test_a_word_that_names_nothing_could_have_been_a_run_folder() -> None:
+    with pytest.raises(
+        InputError, match=r"SCENARIO\|RUN: found 'nosuch', allowed a run folder, a path ending in \.toml"
+    ):
+        serve_panel(arguments().parse_args(["nosuch"]))
+
+
 @pytest.mark.parametrize(
     ("options", "gets"),
     [({}, True), ({"interface": "railhil"}, False)],
