@@ -76,6 +76,8 @@ USAGE = {
     "endless setting": (["bus", "hub", "--port", f"railhil:a,fd={'9' * 5000}"], "key 'fd': found 999"),
     "rate 0": (["run", "--rate", "0"], "--rate: found 0, allowed 0.01 to 1000"),
     "no rate": (["run", "--rate", "nan"], "--rate: found nan"),
+    "no entry": (["faults", "--only", ""], "--only: found '', allowed T1, "),
+    "unknown entry": (["faults", "--only", "T1,nix"], "--only: found 'nix', allowed T1, "),
     "empty out": (["run", "--out", ""], "--out: found ''"),
     "interface": (["run", "-i", "nix"], "--interface: "),
     "one process only": (["run", "-i", "virtual"], "--interface: found 'virtual', allowed an interface that other"),

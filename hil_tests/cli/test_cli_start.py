@@ -95,6 +95,16 @@ def test_matrices_are_multiplied_in_one_thread_unless_the_user_says_otherwise(gi
     assert int(threads) <= int(expected)
 
 
+def test_sequences_need_no_library_of_an_extra():
+    code = (
+        "import sys\n"
+        "sys.modules.update(dict.fromkeys(['pyarrow', 'numba', 'scipy', 'matplotlib', 'jinja2', 'websockets']))\n"
+        "from railhil.sequences.sequence_command import main; sys.exit(main(['verify', 'no_such_folder']))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "InputError: no_such_folder" in done.stderr, done.stderr
+
+
 def test_the_panel_starts_without_what_python_can_loads_for_files():
     """asammdf brings pandas and pyarrow: 90 MB in a process that serves a page."""
     code = (

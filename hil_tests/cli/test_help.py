@@ -12,7 +12,11 @@ from hil_tests.support.command_parsers import COMMANDS
 from railhil.cli import commands
 from railhil.cli.programs import PROGRAMS
 from railhil.common.command_line import OneLineParser, accept_former_name
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.memory import require_memory
+from railhil.scenarios.load import load_any
 from railhil.scenarios.options import _DECLARED
+from railhil.sequences.plan import SCENARIO
 
 #: Shown width of a terminal that nobody has widened.
 _WIDTH = 80
@@ -96,6 +100,45 @@ def test_an_option_is_known_by_its_former_name(capsys: pytest.CaptureFixture[str
     assert line.startswith("railhil some: --first-seed is called --seed now")
     assert parser.parse_args([]).seed == 3
     assert "first-seed" not in parser.format_help()
+
+
+@pytest.mark.parametrize("words", [["--seed", "4", "--first-seed", "3"], ["--first-seed", "3", "--seed", "4"]])
+def test_an_option_by_both_names_has_one_value(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    parser = OneLineParser(prog="railhil some")
+    parser.add_argument("--seed", type=int, default=4, metavar="N", help="seed")
+    accept_former_name(parser, "--first-seed", "--seed")
+    with pytest.raises(SystemExit):
+        parser.parse_args(words)
+    assert "--first-seed: found 3, allowed 4" in capsys.readouterr().err
+    assert vars(parser.parse_args(["--seed", "5", "--first-seed", "5"])) == {"seed": 5}
+
+
+#: Words that another command has, or nearly -> what this one has.
+MEANT = {
+    "campaign --firstseed 3": "--seed?",
+    "campaign --controller ipfc": "--laws?",
+    "compare --controller ipfc": "--laws?",
+    "run --law ipfc": "--controller?",
+    "run --laws ipfc": "--controller?",
+    "run --scenario hst": "SCENARIO, without --scenario?",
+    "tune --laws ipfc": "LAW, without --laws?",
+}
+
+
+@pytest.mark.parametrize("line", MEANT)
+def test_an_option_of_another_command_is_told_by_its_name_here(line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    name, *words = line.split()
+    with pytest.raises(SystemExit):
+        COMMANDS[f"railhil {name}"].parse_args(words)
+    assert f"did you mean {MEANT[line]}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["learn", "sequence run"])
+def test_the_usual_scenario_of_a_law_that_learns_has_one(name: str) -> None:
+    given = COMMANDS[f"railhil {name}"].parse_args([])
+    scenario = load_any(given.scenario or SCENARIO, (), ())
+    system = scenario.installed_system
+    require_memory(system.law, {law: find(law, system.laws) for law in system.law_names()}, scenario)
 
 
 #: Words of the option that stand for several things, each of which has its term in the field.

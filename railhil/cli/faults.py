@@ -56,7 +56,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_arguments(parser, bus="local")
     add_option(parser, "--controller", OR_YOURS)
     add_option(parser, "--list", " what can be injected, word by word")
-    add_option(parser, "--only", ": entries by id, or by its beginning", default="", metavar="T1,S,...")
+    add_option(parser, "--only", ": entries by id, or by its beginning", metavar="T1,S,...")
     parser.add_argument(
         "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
     )
@@ -67,13 +67,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _entries(only: str, system: System) -> list[Entry]:
+def _entries(only: str | None, system: System) -> list[Entry]:
+    """Entries of the catalogue.
+
+    :param only: their ids, or beginnings of them; None: all. :raises InputError: one of them begins no id.
+    """
     known = catalogue_of(system)
-    wanted = [item.strip() for item in only.split(",") if item.strip()]
-    found = [entry for entry in known if not wanted or any(entry.id.startswith(item) for item in wanted)]
-    if not found:
-        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in known))
-    return found
+    if only is None:
+        return list(known)
+    wanted = [item.strip() for item in only.split(",")]
+    for item in wanted:
+        if not item or not any(entry.id.startswith(item) for entry in known):
+            raise InputError("command line", "--only", item, ", ".join(entry.id for entry in known))
+    return [entry for entry in known if any(entry.id.startswith(item) for item in wanted)]
 
 
 def _check_out(out: Path | None, entries: Sequence[Entry]) -> None:
@@ -211,7 +217,7 @@ def work(namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
         for option, given in (("--only", namespace.only), ("--out", namespace.out), ("--sign", namespace.sign)):
-            if given:
+            if given is not None:
                 raise InputError("command line", option, str(given), Sentence("cannot be given with --pairs"))
         named, as_json = namespace.controller, namespace.json
         return pairs(base, system, namespace.pairs, jobs, console, controller=named, as_json=as_json)

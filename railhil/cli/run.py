@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.cli.panel import PanelBeside, add_panel_arguments, check_panel, with_catalogue, with_emergency
 from railhil.cli.progress import Progress
+from railhil.common.command_line import USUAL_SCENARIO
 from railhil.common.errors import Faults, InputError, Sentence, Words
 from railhil.common.streams import add_json_argument, print_json, say
 from railhil.common.user_files import given_text
@@ -50,12 +51,12 @@ if TYPE_CHECKING:
     from railhil.judge.result import Result
 
 
-def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto") -> None:
+def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto", scenario: str = USUAL_SCENARIO) -> None:
     """Options of every command that makes and records runs.
 
-    :param bus: the default.
+    :param bus: the default; so is ``scenario``.
     """
-    add_run_options(parser)
+    add_run_options(parser, scenario)
     add_options(parser, "--set", "--fault")
     add_law_options(parser)
     add_options(parser, "--no-rt", "--no-report")

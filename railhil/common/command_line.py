@@ -54,6 +54,8 @@ _ARITY: Mapping[int | str | None, str] = {
     argparse.PARSER: "{} ...",
     argparse.REMAINDER: "...",
 }
+#: Options and positional arguments for the same thing, of which a command has one.
+_SAME_THING = (("--controller", "--laws", "--law", "law"), ("--scenario", "scenario"))
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -106,15 +108,30 @@ class OneLineParser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """As in argparse, but a subcommand reports unknown arguments itself instead of passing them up to its parent
-        parser, whose help would be the wrong one to read."""
+        parser, whose help would be the wrong one to read. An option by two names must have one value."""
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
-            word = unknown[0].partition("=")[0]
-            known_words = self._option_string_actions if word.startswith("-") else ()
-            near = difflib.get_close_matches(word, known_words, 1)
-            hint = f", did you mean {near[0]}?" if near else ""
+            meant = self._meant(unknown[0].partition("=")[0])
+            hint = f", did you mean {meant}?" if meant else ""
             self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
+        for action in self._actions:
+            if isinstance(action, _FormerName):
+                action.settle(self, known)
         return known, unknown
+
+    def _meant(self, word: str) -> str | None:
+        """What the command calls the thing that a word, which it does not know, stands for."""
+        if not word.startswith("-"):
+            return None
+        for action in self._actions:
+            names = action.option_strings or [action.dest]
+            if any(word in same and names[-1] in same for same in _SAME_THING):
+                return names[-1] if action.option_strings else f"{action.metavar}, without {word}"
+        near = difflib.get_close_matches(word, self._option_string_actions, 1)
+        if not near:
+            return None
+        action = self._option_string_actions[near[0]]
+        return action.name if isinstance(action, _FormerName) else near[0]
 
     def error(self, message: str) -> NoReturn:
         """Print one line and end with exit code 2. If a subcommand is missing, the line names them."""
@@ -132,18 +149,34 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 class _FormerName(argparse.Action):
-    """An option by its former name, which the help does not show."""
+    """An option by its former name, which the help does not show.
+
+    Either name leaves its value only if it is given; :meth:`settle` puts the one value in its place.
+    """
 
     def __init__(self, *args: Any, now: argparse.Action, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._now = now
+        self._now, self._usual = now, now.default
+        self.name = now.option_strings[-1]
+        now.default = argparse.SUPPRESS
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
     ) -> None:
-        name = self._now.option_strings[-1]
-        print(f"{parser.prog}: {option} is called {name} now; a later version will not know it", file=sys.stderr)
-        self._now(parser, namespace, values, name)
+        print(f"{parser.prog}: {option} is called {self.name} now; a later version will not know it", file=sys.stderr)
+        setattr(namespace, self.dest, values)
+
+    def settle(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace) -> None:
+        """Set the option from the name that was given, or to its default; other values by both are an error."""
+        given = [getattr(namespace, dest) for dest in (self._now.dest, self.dest) if hasattr(namespace, dest)]
+        if len(given) > 1 and given[0] != given[1]:
+            former = self.option_strings[-1]
+            parser.error(
+                f"argument {former}: found {given[1]}, allowed {given[0]}, that of {self.name}, or only one of them"
+            )
+        setattr(namespace, self._now.dest, given[0] if given else self._usual)
+        if hasattr(namespace, self.dest):
+            delattr(namespace, self.dest)
 
 
 def accept_former_name(parser: argparse.ArgumentParser, former: str, name: str) -> None:
@@ -152,9 +185,9 @@ def accept_former_name(parser: argparse.ArgumentParser, former: str, name: str) 
     :param name: of the option now, which the parser has.
     """
     now = next(action for action in parser._actions if name in action.option_strings)
-    same: dict[str, Any] = {"dest": now.dest, "nargs": now.nargs, "type": now.type}
-    hidden = argparse.SUPPRESS
-    parser.add_argument(former, action=_FormerName, now=now, default=hidden, help=hidden, **same)
+    same: dict[str, Any] = {"nargs": now.nargs, "type": now.type}
+    hidden, dest = argparse.SUPPRESS, f"former_{now.dest}"
+    parser.add_argument(former, action=_FormerName, now=now, dest=dest, default=hidden, help=hidden, **same)
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:

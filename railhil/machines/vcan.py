@@ -53,7 +53,7 @@ def arguments() -> argparse.ArgumentParser:
         "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it (default: %(default)g s)"
     )
     parser.add_argument("--ram", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
-                        help="of the virtual machine (default: %(default)s)")  # fmt: skip
+                        help="of the virtual machine (default: 2048)")  # fmt: skip
     accept_former_name(parser, "--memory", "--ram")
     parser.add_argument("--processors", type=whole_number(1, 16), default=2, metavar="N",
                         help="of an emulated machine; 1 on a busy host (default: %(default)s)")  # fmt: skip

@@ -186,7 +186,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
 }  # fmt: skip
 _OF_THE_LAW = ("--arithmetic", "--indexing", "--task-period-ms")
 _OF_THE_RUN = (
-    "scenario", "--seed", "--perturbed", "--run-number", "--pace", "--appear-timeout", "--patience", "--rate",
+    "--seed", "--perturbed", "--run-number", "--pace", "--appear-timeout", "--patience", "--rate",
 )  # fmt: skip
 
 
@@ -216,8 +216,12 @@ def add_law_options(parser: argparse.ArgumentParser) -> None:
     add_options(parser, *_OF_THE_LAW)
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Options that identify the run: the same for the plant node and for the supervisor."""
+def add_run_options(parser: argparse.ArgumentParser, scenario: str = USUAL_SCENARIO) -> None:
+    """Options that identify the run: the same for the plant node and for the supervisor.
+
+    :param scenario: the default.
+    """
+    add_option(parser, "scenario", default=scenario, usual=scenario)
     add_options(parser, *_OF_THE_RUN)
 
 

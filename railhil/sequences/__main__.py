@@ -27,7 +27,7 @@ def arguments() -> argparse.ArgumentParser:
         description="Sequences of runs of a law that learns from run to run: how its errors become smaller.",
         epilog=exit_codes("workers or scheduler were lost too often"),
     )
-    add_option(parser, "scenario", default=None)
+    add_option(parser, "scenario", default=None, usual=usual.scenario)
     add_options(parser, "--set", "--fault")
     add_number(parser, Request, "runs", " of each sequence")
     add_number(parser, Request, "sequences", "; with --verify 1")

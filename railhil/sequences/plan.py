@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from railhil.common.command_line import INDEXINGS, SEED_MAX, USUAL_SCENARIO
+from railhil.common.command_line import INDEXINGS, SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.law_controller import maker_of
@@ -25,6 +25,8 @@ from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import check_unseen
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
+#: The usual scenario: its law learns from run to run.
+SCENARIO = "yizhuang_stop"
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
 #: Sequences per part: where runs are made one by one, and where they are made together.
 _CHUNK, _CHUNK_TOGETHER = 5, 25
@@ -35,7 +37,7 @@ _OTHERS = "another --seed, of runs on which no parameters were tuned or chosen"
 class Request:
     """The request from the command line. Files have absolute paths, so that it can be resumed from any folder."""
 
-    scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
+    scenario: Annotated[str, Field(min_length=1)] = SCENARIO
     settings: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
     controller: str = ""

@@ -29,7 +29,7 @@ from railhil.sequences.evidence import (
     write_evidence,
 )
 from railhil.sequences.plan import run_specs
-from railhil.study.parts import claimed
+from railhil.study.claim import claimed
 
 #: Called with the number of a run and its result.
 Told = Callable[[int, Result], None]

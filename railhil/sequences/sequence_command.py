@@ -34,7 +34,7 @@ from railhil.scenarios.options import add_option, add_options
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_evidence, run_name
-from railhil.sequences.plan import RUNS_MAX
+from railhil.sequences.plan import RUNS_MAX, SCENARIO
 from railhil.sequences.record import Told, begin, record
 
 _RUNS = 15
@@ -51,7 +51,7 @@ def arguments() -> argparse.ArgumentParser:
         help="record a sequence; an interrupted one is gone on with",
         examples=["railhil sequence run yizhuang_stop --runs 5 --out runs/sequence"],
     )
-    add_arguments(run)
+    add_arguments(run, scenario=SCENARIO)
     add_option(run, "--controller", ", with a memory")
     add_options(run, "--parameters", "--memory-from")
     add_option(run, "--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, usual=str(_RUNS))

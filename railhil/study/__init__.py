@@ -4,6 +4,7 @@
 
     plan.py      what a study is: its chunks, its identity, a shard of it, hashes of the code that its figures depend on
     manifest.py  the definition of a study in its folder, from which it is resumed
+    claim.py     exclusive access to the folder of a study or of a sequence
     parts.py     the folder: the manifest, which is also the lock, and parts that are complete or missing
     work.py      one chunk -> the bytes of its part (any process, any machine)
     engines.py   items -> results, in this process or over the cores; dask_engine.py: over machines

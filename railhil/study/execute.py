@@ -16,8 +16,9 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
 from railhil.common.output import show_progress
+from railhil.study.claim import InUse
 from railhil.study.engines import Engine
-from railhil.study.parts import InUse, PartsFolder, opened
+from railhil.study.parts import PartsFolder, opened
 from railhil.study.plan import C, P, Shard, Study
 from railhil.study.table import NotThePart
 from railhil.study.work import run_task, task_of

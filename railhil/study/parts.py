@@ -22,19 +22,18 @@ from typing import IO, Any, Generic
 import pyarrow as pa
 
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence, describe_os_error
-from railhil.common.user_files import DRAFTS, RecordFailed, lock_within, refuse_unwritable, sync_folder, write_synced
+from railhil.common.errors import InputError, describe_os_error
+from railhil.common.user_files import DRAFTS, RecordFailed, refuse_unwritable, sync_folder, write_synced
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list, write_hashes
 from railhil.record.run_folder import run_folder
+from railhil.study.claim import FOLDER_OPTIONS, claim
 from railhil.study.manifest import check_same, manifest_of, read_manifest
 from railhil.study.plan import C, P, Shard, Study, sha256_of_json
 from railhil.study.table import RESULTS, NotThePart, file_bytes, read_part
 
 PARTS = "parts"
 SUMMARY = "summary.json"
-#: Options that name a folder.
-_OPTIONS = "--out, --resume"
 _SHARD_LISTS = "shard-*.sha256"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
 
@@ -193,36 +192,6 @@ def _head(study: Study[P, C], plan: P) -> str:
     return f"# {study.kind} {sha256_of_json(plan.identity)}\n"
 
 
-class InUse(InputError):
-    """Another process has the folder, or makes this shard of it."""
-
-
-def _claim(descriptor: int, path: Path, kind: str, mode: int = fcntl.LOCK_EX, wait_s: float = 0.0) -> None:
-    """Lock an open file (flock) until it is closed or the process ends in any way.
-
-    :param wait_s: time to wait for others. :raises InUse: another process has it.
-    """
-    with refuse_unwritable(_OPTIONS, path, "folder"):
-        is_locked = lock_within(descriptor, wait_s, mode)
-    if not is_locked:
-        raise InUse(path, "", kind, Sentence(f"is in use by a {kind} that is running"))
-
-
-@contextmanager
-def claimed(path: Path, kind: str) -> Iterator[None]:
-    """Exclusive access to a folder whose manifest is written anew again and again: the folder itself is locked.
-
-    :raises InputError: another process has it, or it cannot be opened.
-    """
-    with refuse_unwritable(_OPTIONS, path, "folder"):
-        descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        _claim(descriptor, path, kind)
-        yield
-    finally:
-        os.close(descriptor)
-
-
 @contextmanager
 def opened(
     study: Study[P, C], plan: P, out: str | None, shard: Shard | None = None, wait_s: float = 0.0
@@ -240,12 +209,12 @@ def opened(
     """
     path = _study_folder(study, plan, out, shard)
     with ExitStack() as held:
-        with refuse_unwritable(_OPTIONS, path, "folder"):
+        with refuse_unwritable(FOLDER_OPTIONS, path, "folder"):
             handle = os.open(path / study.manifest, os.O_RDWR | os.O_CREAT, 0o666)
         stream = held.enter_context(os.fdopen(handle, "r+b"))
-        _claim(stream.fileno(), path, study.kind, fcntl.LOCK_EX if shard is None else fcntl.LOCK_SH, wait_s)
+        claim(stream.fileno(), path, study.kind, fcntl.LOCK_EX if shard is None else fcntl.LOCK_SH, wait_s)
         listed: IO[bytes] | None = None
-        with refuse_unwritable(_OPTIONS, path, "folder"):
+        with refuse_unwritable(FOLDER_OPTIONS, path, "folder"):
             is_begun = (path / PARTS).exists()
             # A process killed at this point leaves an empty or incomplete manifest, and no part.
             if shard is None and not is_begun and not _is_json(stream.read()):
@@ -272,7 +241,7 @@ def _study_folder(study: Study[P, C], plan: P, out: str | None, shard: Shard | N
     if out is None or shard is None:
         return run_folder(out, plan.scenario.name, study.name)[0]
     path = Path(out)
-    with refuse_unwritable(_OPTIONS, path, "folder"):
+    with refuse_unwritable(FOLDER_OPTIONS, path, "folder"):
         path.mkdir(parents=True, exist_ok=True)
         names = {item.name for item in path.iterdir() if not item.match(DRAFTS)}
         if names - {study.manifest, HASH_LIST, PARTS}:
@@ -306,7 +275,7 @@ def _shard_list(path: Path, study: Study[P, C], plan: P, shard: Shard) -> Iterat
     """The list of a shard, locked for this process; it only grows. Raises InUse, OSError."""
     file, head = path / PARTS / f"shard-{shard.number}-of-{shard.count}.sha256", _head(study, plan).encode()
     with file.open("a+b") as stream:
-        _claim(stream.fileno(), path, f"{study.kind} of shard {shard}")
+        claim(stream.fileno(), path, f"{study.kind} of shard {shard}")
         stream.seek(0)
         content = stream.read()
         if b"\n" not in content:

@@ -17,7 +17,7 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.scenarios.memory import load_memory
 from railhil.sequences.evidence import Made, read_evidence, sequence_sha256
 from railhil.sequences.sequence_command import main
-from railhil.study.parts import claimed
+from railhil.study.claim import claimed
 
 pytestmark = [pytest.mark.slow, pytest.mark.loop]
 
