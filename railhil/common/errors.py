@@ -11,6 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _SHOWN_MAX = 80
+#: Characters and levels of a value of which a message makes the ``repr``: enough for those that it shows.
+_MADE_MAX, _LEVELS_MAX = 400, 20
+#: Python refuses to write longer whole numbers in digits (``sys.get_int_max_str_digits``).
+_BITS_MAX = 4096
+_BRACKETS = {list: ("[", "]"), tuple: ("(", ")"), dict: ("{", "}")}
 
 #: Units that end a key, longest first so that ``_mps2`` is found before ``_mps``.
 _UNIT_SUFFIXES = tuple(
@@ -28,6 +33,39 @@ _UNIT_SUFFIXES = tuple(
 def _one_line(text: str) -> str:
     flat = " ".join(text.split())
     return flat if len(flat) <= _SHOWN_MAX else flat[: _SHOWN_MAX - 3] + "..."
+
+
+def short_repr(value: object) -> str:
+    """The ``repr`` of a user's value in one short line, made without the part that is not shown: a value may have parts
+    that contain each other, or a number of thousands of digits."""
+    text = ""
+    for part in _repr_parts(value, 0):
+        text += part
+        if len(text) > _MADE_MAX:
+            break
+    return _one_line(text)
+
+
+def _repr_parts(value: object, level: int) -> Iterator[str]:
+    if isinstance(value, int) and value.bit_length() > _BITS_MAX:
+        yield f"a whole number of {value.bit_length()} bits"
+    elif isinstance(value, str | bytes):
+        yield repr(value[:_MADE_MAX])
+    elif type(value) not in _BRACKETS or not value:
+        yield repr(value)
+    elif level == _LEVELS_MAX:
+        yield "..."
+    else:
+        assert isinstance(value, list | tuple | dict)
+        opening, closing = _BRACKETS[type(value)]
+        yield opening
+        for place, item in enumerate(value):
+            yield ", " if place else ""
+            yield from _repr_parts(item, level + 1)
+            if isinstance(value, dict):
+                yield ": "
+                yield from _repr_parts(value[item], level + 1)
+        yield f",{closing}" if isinstance(value, tuple) and len(value) == 1 else closing
 
 
 def _without_unit(key: str) -> str:
@@ -109,7 +147,7 @@ class InputError(Exception):
             return allowed
         if isinstance(self.found, Words):
             return f"{_one_line(str(self.found))}, expected {allowed}"
-        return f"found {_one_line(repr(self.found))}, allowed {allowed}"
+        return f"found {short_repr(self.found)}, allowed {allowed}"
 
 
 class InputErrors(InputError):

@@ -13,13 +13,14 @@ import os
 import stat
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Sentence, Words, describe_os_error, near_file
+from railhil.common.errors import InputError, Sentence, Words, describe_os_error, near_file, short_repr
 
 #: Errors of the operating system when the disk is full.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -104,10 +105,37 @@ def given_json(path: Path, expected: str) -> dict[str, Any]:
 def json_object(path: Path, content: bytes, expected: str) -> dict[str, Any]:
     """The JSON object that a file contains; arguments and errors as :func:`given_json`."""
     with refuse_unreadable(path, expected):
-        document = json.loads(content.decode("utf-8"))
+        document = parse_json(content.decode("utf-8"))
     if not isinstance(document, dict):
         raise InputError(path, "", Words("has no JSON object"), expected)
     return document
+
+
+def without_mark(text: str) -> str:
+    """The text, which has no byte order mark.
+
+    :raises ValueError: it begins with one.
+    """
+    if text.startswith("\N{BYTE ORDER MARK}"):
+        raise ValueError("it begins with a byte order mark (BOM): save it as UTF-8 without one")
+    return text
+
+
+def parse_json(text: str) -> Any:
+    """The document of a JSON text of a user.
+
+    :raises ValueError: it is not JSON, begins with a byte order mark, or an object has the same key twice.
+    """
+    return json.loads(without_mark(text), object_pairs_hook=_object)
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object, none of whose keys hides another one. Raises ValueError."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        times = Counter(key for key, _ in pairs)
+        raise ValueError(f"the key {short_repr(times.most_common(1)[0][0])} stands there twice")
+    return found
 
 
 class RecordFailed(Exception):

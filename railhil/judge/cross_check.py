@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, short_repr
 from railhil.common.user_files import refuse_unreadable
 from railhil.dbc import PORTS, recorded_contract
 from railhil.judge.fault_report import logged_outcomes
@@ -54,7 +54,7 @@ def check_folder(folder: Path, document: Mapping[str, Any] | None) -> None:
         recorded_contract(folder, document.get("dbc_sha256"), system.contract)
     for other, key, found, certified in (*_score(folder, document), *_junit(folder, document)):
         if found != certified:
-            raise InputError(folder / CERTIFICATE, key, certified, f"{found!r}, as in {other} beside it")
+            raise InputError(folder / CERTIFICATE, key, certified, f"{short_repr(found)}, as in {other} beside it")
 
 
 def _score(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, Any]]:

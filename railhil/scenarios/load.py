@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from railhil.common.errors import InputError, Words, did_you_mean, near_file
+from railhil.common.errors import InputError, Words, did_you_mean, near_file, short_repr
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import SET
@@ -68,7 +68,7 @@ def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Seq
 
 def _read(layers: Layers) -> AnyScenario:
     name = layers.merge().get("system", DEFAULT)
-    system = system_named(name if isinstance(name, str) else repr(name), layers.origin("system"))
+    system = system_named(name if isinstance(name, str) else short_repr(name), layers.origin("system"))
     return system.scenario_kind.read(layers)
 
 

@@ -25,7 +25,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.common.user_files import given_text, parse_json, refuse_unreadable
 from railhil.scenarios.tomlfile import parse_toml, toml_table, toml_value
 from railhil.scenarios.validation import validate
 
@@ -160,7 +160,7 @@ def _check_finite(given: ParameterSet) -> ParameterSet:
 
 def _read_json(path: Path, text: str) -> ParameterSet:
     try:
-        document = json.loads(text)
+        document = parse_json(text)
     except RecursionError:
         document = None
     # A certificate contains the same document among other things.

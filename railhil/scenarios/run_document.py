@@ -6,7 +6,6 @@ Each source is a :class:`Layer` with some of the keys of :meth:`railhil.scenario
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,7 +29,7 @@ from railhil.common.command_line import (
 )
 from railhil.common.errors import Faults, InputError, Sentence, Words, did_you_mean
 from railhil.common.patience import PATIENCE_S
-from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.common.user_files import given_text, parse_json, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.given import KEY as GIVEN_KEY
 from railhil.scenarios.given import NO_CODE, NamedCode, RecordedController
@@ -308,7 +307,7 @@ def _read_table(path: Path, stored: bool) -> dict[str, Any]:
     """
     with refuse_unreadable(path, _ALLOWED):
         text = given_text(path)
-        document = json.loads(text) if stored else parse_toml(text)
+        document = parse_json(text) if stored else parse_toml(text)
     if not isinstance(document, dict) or (stored and "scenario" not in document):
         raise InputError(path, "", Words("has no JSON object that names a scenario"), _ALLOWED)
     return document

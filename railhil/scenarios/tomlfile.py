@@ -8,6 +8,8 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
+from railhil.common.user_files import without_mark
+
 #: Maximum nesting of tables and arrays; railhil's own files use four.
 DEPTH_MAX = 32
 #: Texts of each kind, comments, words, blanks, and all other characters one by one.
@@ -22,9 +24,10 @@ _TOKEN = re.compile(
 def parse_toml(text: str) -> dict[str, Any]:
     """The table of a TOML text.
 
-    :raises ValueError: it is not TOML, nests deeper than :data:`DEPTH_MAX`, or has an integer of thousands of digits;
-        the message is one line.
+    :raises ValueError: it is not TOML, begins with a byte order mark, nests deeper than :data:`DEPTH_MAX`, or has an
+        integer of thousands of digits; the message is one line.
     """
+    without_mark(text)
     # tomllib takes memory and time with the square of the parts of a key.
     if any(line.count(".") >= DEPTH_MAX for line in text.splitlines()) and _parts_of_a_key(text) > DEPTH_MAX:
         raise ValueError(_too_deep())

@@ -15,6 +15,9 @@ from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 M = TypeVar("M", bound=BaseModel)
 Keys = tuple[str | int, ...]
 
+#: Longer keys are shortened in messages.
+_WORD_MAX = 80
+
 #: A mistyped key makes a required one missing too, so it is reported first.
 _EXPLAINS_FIRST = {"extra_forbidden": 0, "missing": 2}
 
@@ -135,10 +138,11 @@ def _describe_bounds(kind: str, context: Mapping[str, Any]) -> str | None:
 
 
 def join_keys(keys: Keys) -> str:
-    """``("line", "stops", 2, "name")`` as ``line.stops[2].name``."""
+    """``("line", "stops", 2, "name")`` as ``line.stops[2].name``; long words of a user are shortened."""
     text = ""
     for key in keys:
-        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+        word = f"[{key}]" if isinstance(key, int) else key if len(key) <= _WORD_MAX else f"{key[:_WORD_MAX]}..."
+        text += f".{word}" if text and not isinstance(key, int) else word
     return text
 
 

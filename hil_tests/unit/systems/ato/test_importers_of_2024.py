@@ -71,7 +71,7 @@ def test_stops_are_front_and_middle_points_by_label_or_id() -> None:
     names = [Stop("start", 0.0), Stop("Mill", 250.0), Stop("distant signal", 1300.0), Stop("Weir", 1850.0)]
     assert whole.stops == (*names, Stop("end", 2200.0))
     unused = "not used of its file: 1 of the points of interest (measured at the rear, or outside the path)"
-    assert whole.remarks == (unused,)
+    assert whole.remarks == (unused, "level where its file has no resistance: 0 to 600 m")
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model, schema
 from railhil.systems.ato.scenario.generate import CurveLimits
 from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
-from railhil.systems.ato.scenario.importers.section import Stop, StopLine
+from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_begins
 
 
 def effort(table: schema.EffortTable) -> model.Effort:
@@ -80,9 +80,8 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunL
     whole = _whole_line(table, train_length_m, refuse)
     if table.stops:
         whole = replace(whole, stops=tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
-    remarks = tuple(f"line: {remark}" for remark in whole.remarks)
     if table.from_stop is None and table.to_stop is None:
-        return RunLine(whole.line, None, remarks)
+        return RunLine(whole.line, None, _remarks(whole, 0.0))
     here, there = (
         _find_stop(whole, key, choice, refuse)
         for key, choice in (("from_stop", table.from_stop), ("to_stop", table.to_stop))
@@ -90,7 +89,12 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunL
     if whole.stops[there].position_m <= whole.stops[here].position_m:
         raise refuse(("line", "to_stop"), table.to_stop, "a stop behind from_stop in the direction of running")
     section = whole.section(here, there, train_length_m, tuple(table.balises_before_stop_m))
-    return RunLine(section, whole.stops[there].position_m - whole.stops[here].position_m, remarks)
+    start_m = whole.stops[here].position_m
+    return RunLine(section, whole.stops[there].position_m - start_m, _remarks(whole, start_m))
+
+
+def _remarks(whole: StopLine, start_m: float) -> tuple[str, ...]:
+    return tuple(f"line: {remark}" for remark in (*whole.remarks, *list_begins(whole.line, start_m)))
 
 
 def _find_stop(whole: StopLine, key: str, choice: str | int | None, refuse: Refuse) -> int:

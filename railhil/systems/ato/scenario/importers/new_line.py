@@ -10,6 +10,7 @@ from typing import Any
 
 from railhil.common.errors import InputError
 from railhil.systems.ato.scenario.importers import railml, railtoolkit, ttobench
+from railhil.systems.ato.scenario.importers.section import list_begins
 
 #: The run ends at the first stop that is at least this far away.
 _RUN_MIN_M = 500.0
@@ -62,4 +63,5 @@ def read_new_line(source: Path, track_ids: Sequence[str], folder: Path, train: M
     keys["from_stop"], keys["to_stop"] = 0, there
     keys["balises_before_stop_m"] = [before_m for before_m in _BALISES_BEFORE_STOP_M if before_m < distance_m]
     listed = tuple(f"stop {index}: {stop.name}, {stop.position_m:g} m" for index, stop in enumerate(stops))
-    return NewLine(keys, (*chosen, *listed, *whole.remarks), distance_m)
+    begins = list_begins(whole.line, stops[0].position_m)
+    return NewLine(keys, (*chosen, *listed, *whole.remarks, *begins), distance_m)

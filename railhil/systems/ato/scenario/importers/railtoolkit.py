@@ -24,13 +24,15 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, Strict
+from pydantic import AliasChoices, Field, Strict
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.scenarios.profiles import Profile, merge_profiles
 from railhil.scenarios.validation import Keys, validate
+from railhil.scenarios.yamlfile import parse_yaml
+from railhil.systems.ato.scenario.importers.foreign import Foreign, find_unknown
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_unused
 from railhil.systems.ato.scenario.model import Effort, Line, Train
 
@@ -44,40 +46,40 @@ _WIND_KMH = 15.0
 _Positive = Annotated[float, Field(gt=0)]
 
 
-class _Foreign(BaseModel):
-    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class _Section(_Foreign):
+class _Section(Foreign):
     """Speed or resistance that are not given (``model_fields_set``) are those of the section before."""
 
+    DESCRIBING = ("name", "id", "UUID", "description")
     position: float
     speed: _Positive = 0.0
     resistance: float = 0.0
 
 
-class _Point(_Foreign):
+class _Point(Foreign):
+    DESCRIBING = ("name", "UUID", "description")
     position: float
     label: Annotated[str, Field(validation_alias=AliasChoices("label", "id"))]
     measure: Literal["front", "middle", "rear"]
 
 
-class _Path(_Foreign):
+class _Path(Foreign):
     """A path of version 2024.07."""
 
+    DESCRIBING = ("name", "UUID")
     id: str
     description: str = ""
     characteristic_sections: Annotated[list[_Section], Field(min_length=2)]
     points_of_interest: list[_Point] = []
 
 
-class _PathFile(_Foreign):
+class _PathFile(Foreign):
     paths: Annotated[list[_Path], Field(min_length=1)]
 
 
-class _RowPath(_Foreign):
+class _RowPath(Foreign):
     """A path of version 2022.05."""
 
+    DESCRIBING = ("UUID", "description")
     name: str
     id: str
     characteristic_sections: Annotated[
@@ -100,11 +102,12 @@ class _RowPath(_Foreign):
         )
 
 
-class _RowPathFile(_Foreign):
+class _RowPathFile(Foreign):
     paths: Annotated[list[_RowPath], Field(min_length=1)]
 
 
-class _Vehicle(_Foreign):
+class _Vehicle(Foreign):
+    DESCRIBING = ("UUID", "picture", "power_type")
     name: str
     id: str
     vehicle_type: Literal["traction unit", "freight", "passenger", "multiple unit"]
@@ -121,7 +124,8 @@ class _Vehicle(_Foreign):
     tractive_effort: list[Annotated[tuple[float, float], Strict(False)]] = []
 
 
-class _Train(_Foreign):
+class _Train(Foreign):
+    DESCRIBING = ("UUID",)
     name: str
     id: str
     formation: Annotated[list[str], Field(min_length=1)]
@@ -130,7 +134,7 @@ class _Train(_Foreign):
 _Entry = TypeVar("_Entry", _Path, _RowPath, _Train)
 
 
-class _StockFile(_Foreign):
+class _StockFile(Foreign):
     trains: Annotated[list[_Train], Field(min_length=1)]
     vehicles: Annotated[list[_Vehicle], Field(min_length=1)]
 
@@ -144,9 +148,11 @@ def load_line(file: str | Path, *, train_length_m: float, path_id: str | None = 
     data = _read(file, "running-path")
     origin = _name_file(file)
     if data["schema_version"] == "2022.05":
-        path = _choose(file, "paths", validate(_RowPathFile, data, origin).paths, path_id).in_objects()
+        rows = _choose(file, "paths", validate(_RowPathFile, data, origin).paths, path_id)
+        unused, path = _find_unknown(file, "paths", rows), rows.in_objects()
     else:
         path = _choose(file, "paths", validate(_PathFile, data, origin).paths, path_id)
+        unused = _find_unknown(file, "paths", path)
     positions = [section.position for section in path.characteristic_sections]
     if any(later <= earlier for earlier, later in pairwise(positions)):
         raise InputError(file, f"paths {path.id} characteristic_sections", positions, "increasing positions")
@@ -164,8 +170,18 @@ def load_line(file: str | Path, *, train_length_m: float, path_id: str | None = 
         Stop("end", positions[-1]),
     ]
     rest = len(path.points_of_interest) - len(inner)
-    unused = [f"{rest} of the points of interest (measured at the rear, or outside the path)"] if rest else []
-    return StopLine(Line(path.description or path.id, grades, limits), tuple(stops), list_unused(unused))
+    unused += [f"{rest} of the points of interest (measured at the rear, or outside the path)"] if rest else []
+    given = [section.position for section in path.characteristic_sections if "resistance" in section.model_fields_set]
+    level_to_m = given[0] if given else positions[-1]
+    level = f"level where its file has no resistance: {positions[0]:g} to {level_to_m:g} m"
+    remarks = (level,) if level_to_m > positions[0] else ()
+    line = Line(path.description or path.id, grades, limits)
+    return StopLine(line, tuple(stops), (*list_unused(unused), *remarks))
+
+
+def _find_unknown(file: str | Path, key: str, entry: _Path | _RowPath | _Train | _Vehicle) -> list[str]:
+    """See :func:`find_unknown`; an entry of a list is named by its id."""
+    return find_unknown(file, entry, (f"{key} {entry.id}",))
 
 
 def _profiles(file: str | Path, path: _Path) -> tuple[Profile, Profile]:
@@ -205,6 +221,10 @@ def load_train(
         if unit not in by_id:
             raise InputError(file, f"trains {chosen.id} formation", unit, f"one of {', '.join(sorted(by_id))}")
     vehicles = [by_id[unit] for unit in chosen.formation]
+    # Unknown keys that are not mistyped say nothing about a run: pictures, owners, prices.
+    _find_unknown(file, "trains", chosen)
+    for vehicle in by_id.values():
+        _find_unknown(file, "vehicles", vehicle)
     mass_t = fsum(_loaded_t(vehicle) for vehicle in vehicles)
     inertial_kg = 1000 * fsum(_loaded_t(vehicle) * vehicle.rotation_mass for vehicle in vehicles)
     davis = np.sum([np.array(_resistance(v)) * _resisting_t(v) for v in vehicles], axis=0) / mass_t
@@ -287,17 +307,12 @@ def _choose(file: str | Path, key: str, entries: list[_Entry], wanted: str | Non
 
 
 def _read(file: str | Path, kind: str) -> dict[str, Any]:
-    # Imported here, because few scenarios have such a file and every process would load it.
-    try:
-        import yaml
-    except ImportError as error:
-        raise missing_library(str(file), error, "railtoolkit") from None
     expected = f"a {kind} document in YAML"
     try:
         with refuse_unreadable(Path(file), expected):
-            data = yaml.safe_load(given_text(Path(file)))
-    except yaml.YAMLError as error:
-        raise InputError(file, "", Words("cannot be read"), expected, str(error)) from None
+            data = parse_yaml(given_text(Path(file)))
+    except ImportError as error:
+        raise missing_library(str(file), error, "railtoolkit") from None
     if not isinstance(data, dict):
         raise InputError(file, "", Words(f"is a {type(data).__name__}"), expected)
     schema = f"https://railtoolkit.org/schema/{kind}.json"

@@ -62,6 +62,17 @@ class StopLine:
         )
 
 
+def list_begins(line: Line, start_m: float) -> tuple[str, ...]:
+    """Remarks about profiles whose first row lies behind the start of a run: its value holds before it, too."""
+    (grade_m, permil), (limit_m, limit_mps) = line.grade_permil[0], line.speed_limit_mps[0]
+    words = ((grade_m, f"grade, {permil:g} permil"), (limit_m, f"speed limit, {limit_mps * 3.6:g} km/h"))
+    return tuple(
+        f"the first {what}, begins at {from_m:g} m and is taken to hold from {start_m:g} m"
+        for from_m, what in words
+        if from_m > start_m
+    )
+
+
 def list_unused(names: Sequence[str]) -> tuple[str, ...]:
     """The remark about what a file has but a run does not use, if there is anything."""
     return (f"not used of its file: {', '.join(names)}",) if names else ()

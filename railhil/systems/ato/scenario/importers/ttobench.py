@@ -11,57 +11,53 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError
 from railhil.common.user_files import given_json
 from railhil.scenarios.profiles import Profile
 from railhil.scenarios.validation import validate
+from railhil.systems.ato.scenario.importers.foreign import Foreign, find_unknown
 from railhil.systems.ato.scenario.importers.section import Stop, StopLine, list_unused
 from railhil.systems.ato.scenario.model import Line
 
 VERSIONS = tuple(f"TTOBench v1.{minor}" for minor in range(1, 6))
-#: Fields of a track that change no run here.
-_UNUSED = ("curvatures", "tunnels", "ETCS braking data")
-
 _Row = Annotated[tuple[float, float], Strict(False)]
 
 
-class _Foreign(BaseModel):
-    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class _Metadata(_Foreign):
+class _Metadata(Foreign):
+    model_config = ConfigDict(extra="ignore")
     id: str
     version: str = Field(alias="library version")
 
 
-class _Stops(_Foreign):
+class _Stops(Foreign):
     unit: Literal["m", "km"]
     values: Annotated[list[float], Field(min_length=2)]
 
 
-class _LimitUnits(_Foreign):
+class _LimitUnits(Foreign):
     position: Literal["m", "km"]
     velocity: Literal["km/h", "m/s"]
 
 
-class _Limits(_Foreign):
+class _Limits(Foreign):
     units: _LimitUnits
     values: Annotated[list[_Row], Field(min_length=1)]
 
 
-class _GradientUnits(_Foreign):
+class _GradientUnits(Foreign):
     position: Literal["m", "km"]
     slope: Literal["permil", "\N{PER MILLE SIGN}"]
 
 
-class _Gradients(_Foreign):
+class _Gradients(Foreign):
     units: _GradientUnits
     values: Annotated[list[_Row], Field(min_length=1)]
 
 
-class _Track(_Foreign):
+class _Track(Foreign):
+    DESCRIBING = ("altitude",)
     metadata: _Metadata
     stops: _Stops
     limits: _Limits = Field(alias="speed limits")
@@ -83,8 +79,11 @@ def load_line(file: str | Path) -> StopLine:
     stop_m = [value * _METRES[track.stops.unit] for value in track.stops.values]
     _check_increasing(file, "stops", stop_m)
     limit_scale = 1 / 3.6 if track.limits.units.velocity == "km/h" else 1.0
+    remarks = list_unused(find_unknown(file, track))
     grade: Profile = ((stop_m[0], 0.0),)
-    if track.gradients is not None:
+    if track.gradients is None:
+        remarks += ("level: its file has no gradients",)
+    else:
         scale_m = _METRES[track.gradients.units.position]
         grade = tuple((from_x * scale_m, permil) for from_x, permil in track.gradients.values)
         _check_increasing(file, "gradients", [row[0] for row in grade])
@@ -95,7 +94,7 @@ def load_line(file: str | Path) -> StopLine:
         if limit_mps <= 0:
             raise InputError(file, f"speed limits.values[{row}]", track.limits.values[row], "a limit above 0")
     stops = tuple(Stop(f"stop {number}", position_m) for number, position_m in enumerate(stop_m))
-    return StopLine(Line(track.metadata.id, grade, limits), stops, list_unused([key for key in _UNUSED if key in data]))
+    return StopLine(Line(track.metadata.id, grade, limits), stops, remarks)
 
 
 def _check_increasing(file: str | Path, key: str, positions: list[float]) -> None:
