@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from pathlib import Path
 
@@ -45,3 +46,56 @@ def test_a_line_of_a_file_is_a_pass_by_the_commands_that_are_proposed(kind, here
 def test_a_file_without_a_line_is_one_line(words, said, here, tmp_path: Path):
     assert said in complaint(here("new", "line", "mine", *words))
     assert not (tmp_path / "mine.toml").exists()
+
+
+def stretched(folder: Path, values: list[float], permil: float = 4.0) -> Path:
+    """A track with other stops, and another grade."""
+    track = json.loads(FILES["ttobench"][0].read_text(encoding="utf-8"))
+    track["stops"]["values"] = values
+    track["gradients"]["values"] = [[0.0, permil]]
+    path = folder / "track.json"
+    path.write_text(json.dumps(track), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("values", "permil", "said"),
+    [
+        ([0.0, 900_000.0], 4.0, "track.json: plan.distance_m: found 900000"),
+        ([0.0, 900.0], 600.0, "line.grade_permil[0]: found 600"),
+        ([0.0, 900.0], 180.0, "target.generate: "),
+    ],
+)
+def test_a_scenario_that_cannot_be_run_is_not_written(values, permil, said, here, tmp_path):
+    source = stretched(tmp_path, values, permil)
+    told = complaint(here("new", "line", "mine", "--from", source))
+    assert said in told
+    assert told.endswith("(mine.toml is not written)")
+    assert not (tmp_path / "mine.toml").exists()
+
+
+def test_a_scenario_on_an_own_line_is_run_with_the_law_that_knows_its_position(here, tmp_path):
+    here("new", "line", "mine")
+    assert here("new", "scenario", "s3", "--extends", "mine.toml", "--json").json["next"] == [
+        "railhil scenarios s3.toml",
+        "railhil run s3.toml --controller ipfc_plus",
+    ]
+    assert here("new", "scenario", "s4", "--json").json["next"][1] == "railhil run s4.toml"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["line", ""], "NAME: found '', allowed at most 80 small letters"),
+        (["scenario", ""], "NAME: found '', allowed at most 80 small letters"),
+        (["line", "mine", "--from", ""], "argument --from: found '', allowed a path"),
+        (["line", "mine", "--out", ""], "argument --out: found '', allowed a path"),
+    ],
+)
+def test_an_empty_text_is_named_by_what_it_should_be(words, said, here):
+    assert said in complaint(here("new", *words))
+
+
+def test_a_byte_order_mark_is_named(here, tmp_path):
+    (tmp_path / "mine.toml").write_text("\ufeffschema_version = 1", encoding="utf-8")
+    assert "it begins with a byte order mark (BOM): save it as UTF-8" in complaint(here("scenarios", "mine.toml"))

@@ -11,11 +11,12 @@ from pathlib import Path
 from shlex import quote
 from string import Template
 
-from railhil.cli.new_scenario import imported_line_file, line_file, scenario_file
+from railhil.cli.new_scenario import check_scenario_name, imported_line_file, line_file, scenario_file
 from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO
 from railhil.common.errors import InputError, Sentence, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.scenarios.load import load_any
 from railhil.scenarios.options import add_option
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
@@ -174,20 +175,32 @@ def _new_line(namespace: argparse.Namespace) -> int:
 
 
 def _new_scenario(namespace: argparse.Namespace) -> int:
-    return _scenario(namespace, lambda folder: scenario_file(namespace.name, namespace.extends, folder))
+    base = namespace.extends
+    # A line of a user's own is not the one for which the usual law was designed.
+    is_own = base.endswith(".toml") and load_any(base).system == DEFAULT
+    options = f" --controller {LAW_WITH_POSITION}" if is_own else ""
+    return _scenario(namespace, lambda folder: scenario_file(namespace.name, base, folder), options)
 
 
 def _scenario(namespace: argparse.Namespace, text_in: Callable[[Path], str], options: str = "") -> int:
-    """Write a scenario file.
+    """Write a scenario file that can be run.
 
     :param text_in: its text, for the folder in which it will be.
     :param options: options of the command that is proposed for its first run.
-    :raises InputError: the file has another ending, exists already or cannot be written.
+    :raises InputError: the name is invalid or taken, the file has another ending, exists already or cannot be written,
+        or what is in it cannot be run: it is not kept.
     """
+    check_scenario_name(namespace.name)
     path = namespace.out or Path(f"{namespace.name}.toml")
     if path.suffix != ".toml":
         raise InputError("command line", "--out", str(path), "a file that ends in .toml")
     _write({path: text_in(path.parent)})
+    try:
+        load_any(path)
+    except InputError as error:
+        path.unlink()
+        cause = getattr(namespace, "source", None) or error.file
+        raise InputError(cause, error.key, error.found, error.allowed, error.hint or f"{path} is not written") from None
     shown = quote(str(path))
     return _say(namespace, path, [path], [f"railhil scenarios {shown}", f"railhil run {shown}{options}"])
 

@@ -25,11 +25,7 @@ _LETTERS_MAX = 80
 
 
 def line_file(name: str) -> str:
-    """The text of a complete scenario with a line and a train of its own.
-
-    :raises InputError: the name is invalid or taken.
-    """
-    _check_name(name)
+    """The text of a complete scenario with a line and a train of its own."""
     return _fill(
         "line.toml.in",
         name=name,
@@ -47,7 +43,7 @@ def imported_line_file(name: str, source: Path, track_ids: Sequence[str], folder
     :param source: the file; :func:`railhil.systems.ato.scenario.importers.new_line.read_new_line` has its formats.
     :param track_ids: its tracks in the order of running, or its path; none for its only one.
     :param folder: folder of the new file; the path to the source is relative to it.
-    :raises InputError: the name is invalid or taken, or the file is wrong.
+    :raises InputError: the file is wrong.
     """
     train = parse_toml(line_file(name))["train"]
     new = system_named(DEFAULT).part("new_line")(source, track_ids, folder, train)
@@ -69,9 +65,8 @@ def scenario_file(name: str, base: str, folder: Path) -> str:
 
     :param base: the scenario on which it is based, shipped name or file.
     :param folder: folder of the new file; a path to the base is relative to it.
-    :raises InputError: the name is invalid or taken, or the base scenario cannot be loaded.
+    :raises InputError: the base scenario cannot be loaded.
     """
-    _check_name(name)
     path, scenario = find(base), load_any(base)
     shipped = path.parent == RUNS
     reference = path.stem if shipped else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
@@ -81,8 +76,8 @@ def scenario_file(name: str, base: str, folder: Path) -> str:
     return text + _keys(kind.usual_keys(), Layers(path).merge())
 
 
-def _check_name(name: str) -> None:
-    """Refuse what a scenario cannot have as its name, and the name of a shipped scenario."""
+def check_scenario_name(name: str) -> None:
+    """Refuse what a scenario cannot have as its name, and the name of a shipped scenario. Raises InputError."""
     try:
         TypeAdapter(Name).validate_python(name)
     except ValidationError:

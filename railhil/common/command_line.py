@@ -10,6 +10,7 @@ import io
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from railhil.common.errors import did_you_mean
@@ -66,6 +67,13 @@ exit codes:
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (the log is kept, the run is marked INVALID)"""
 
 
+def _path(text: str) -> Path:
+    """The type of every option that takes a path: an empty text would be the working folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("found '', allowed a path")
+    return Path(text)
+
+
 class OneLineParser(argparse.ArgumentParser):
     """:class:`argparse.ArgumentParser` that reports an error in one line instead of the whole usage. Its help begins
     with a short usage, and ends with examples and exit codes.
@@ -77,6 +85,7 @@ class OneLineParser(argparse.ArgumentParser):
         kwargs.setdefault("epilog", EXIT_CODES)
         kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
         super().__init__(*args, **kwargs)
+        self.register("type", Path, _path)
         self.examples = tuple(examples)
 
     def format_help(self) -> str:
