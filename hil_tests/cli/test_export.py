@@ -234,7 +234,7 @@ def test_one_format_can_be_given_its_file(here: Railhil, one: railhil.Outcome) -
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "command line: format: missing, expected --mf4, --mcap, --parquet, --csv, --blf"),
+        ((), "command line: format: missing, expected one or more of --mf4, --mcap, --parquet, --csv, --blf"),
         (("--blf",), "--blf: no --start"),
         (
             ("--csv", "--start", "2026-11-22T18:42:55"),

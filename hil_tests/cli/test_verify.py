@@ -122,7 +122,9 @@ def test_of_a_folder_without_a_list_it_is_said_what_is_checked(here: Railhil, sh
 def test_a_key_that_cannot_sign_is_refused_before_the_run(here: Railhil, short: Path, tmp_path: Path) -> None:
     (tmp_path / "none").write_text("no key")
     for key in ("none", "missing"):
-        assert "--sign" in complaint(here("run", short, "--out", tmp_path / "run", "--sign", tmp_path / key))
+        said = complaint(here("run", short, "--out", tmp_path / "run", "--sign", tmp_path / key))
+        assert f"{tmp_path / key}: " in said
+        assert "an SSH key that can sign" in said
     assert not (tmp_path / "run").exists()
     assert "nothing to verify" in complaint(here("verify", tmp_path))
 

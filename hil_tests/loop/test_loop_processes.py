@@ -80,6 +80,7 @@ def test_run_folder_is_complete(hub_run, short):
         "scenario": str(short), "seed": "1", "controller": "ipfc", "arithmetic": "iq",
         "verdict": document["verdict"],
         "frames_sha256": certificate(hub_run)["frames_sha256"],
+        "railhil": certificate(hub_run)["railhil"],
     }  # fmt: skip
     # The time of the cases is the time of the run.
     assert sum(float(case.get("time", "nan")) for case in cases) == float(suite.get("time", "0")) > 0

@@ -103,7 +103,7 @@ def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
     [
         (["nowhere"], "nowhere"),
         (["--controller", "ipcf"], "did you mean ipfc?"),
-        (["--arithmetic", "iq32"], "'iq32'"),
+        (["--arithmetic", "iq32"], "found iq32, allowed float32, "),
         (["--arithmetic", "float64"], "--arithmetic"),
         (["--runs", "-1"], "found -1, allowed 0..100000"),
         (["--runs", "many"], "found many, allowed 0..100000"),

@@ -55,7 +55,7 @@ def test_an_arithmetic_that_solves_nothing_is_refused_in_one_line(arithmetic: st
 
 def test_without_the_solver_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "daqp", None)
-    with pytest.raises(InputError, match=r"delay_qp: module daqp.*daqp.*the extra \[qp\]"):
+    with pytest.raises(InputError, match=r"delay_qp: daqp is not installed.*daqp.*the extra \[qp\]"):
         VectorController(load_any("hst_short"), spec())
 
 
