@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from argparse import SUPPRESS, Action
 
@@ -16,6 +17,7 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.load import load_any
 from railhil.scenarios.options import _DECLARED
+from railhil.scenarios.system import names, system_named
 from railhil.sequences.plan import SCENARIO
 
 #: Shown width of a terminal that nobody has widened.
@@ -61,6 +63,19 @@ def test_a_help_is_short_and_has_an_example_that_the_command_takes(name: str) ->
             own = name.split()
             assert words[: len(own)] == own
             parser.parse_args(words[len(own) :])
+
+
+@pytest.mark.parametrize("name", ["railhil run", "railhil compare"])
+def test_each_option_of_a_long_help_stands_in_a_titled_part(name: str) -> None:
+    text = COMMANDS[name].format_help()
+    assert "\nwhat is run:\n" in text
+    assert re.findall(r"^  (-\S+)", text.partition("\noptions:\n")[2].partition("\n\n")[0], re.MULTILINE) == ["-h,"]
+
+
+def test_the_default_law_of_each_system_is_named() -> None:
+    text = " ".join(COMMANDS["railhil run"].format_help().split())
+    for name in names():
+        assert re.search(rf"\(default: [^)]*\b{system_named(name).law} of {name}\b", text)
 
 
 def test_the_help_of_a_command_of_several_shows_the_examples_of_all(here: Railhil) -> None:

@@ -32,7 +32,7 @@ from railhil.run.report import as_recorded, report_line
 from railhil.run.run import Observer, Plan
 from railhil.scenarios.given import given_controller
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.options import add_option
+from railhil.scenarios.options import SECTIONS, add_option
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
@@ -47,6 +47,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=["railhil compare", "railhil compare yizhuang_05 --laws ipfc,ipfc_plus --seed 7 --perturbed"],
         description="Exit code 0 when all laws pass, 1 when one fails; the highest of the others when a run is more "
         "than failed.",
+        sections=SECTIONS,
     )
     add_arguments(parser)
     add_option(parser, "--laws", default=_ALL, usual=_ALL)

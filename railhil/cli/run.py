@@ -30,6 +30,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import (
     OR_YOURS,
+    SECTIONS,
     add_controller_fmu_options,
     add_fmu_options,
     add_law_options,
@@ -110,6 +111,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil run yizhuang_05 --controller ipfc_plus --seed 7 --perturbed --out runs/mine",
             'railhil run --controller ipfc_plus --fault "TRN_SPEED loss 30% @20s for 5s"',
         ],
+        sections=SECTIONS,
     )
     add_arguments(parser)
     add_option(parser, "--controller", OR_YOURS)

@@ -79,14 +79,30 @@ class OneLineParser(argparse.ArgumentParser):
     with a short usage, and ends with examples and exit codes.
 
     :param examples: command lines, as a user types them.
+    :param sections: title of a part of the help -> the options that stand there; all others stand before them.
     """
 
-    def __init__(self, *args: Any, examples: Sequence[str] = (), **kwargs: Any) -> None:
+    def __init__(
+        self,
+        *args: Any,
+        examples: Sequence[str] = (),
+        sections: Mapping[str, Sequence[str]] | None = None,
+        **kwargs: Any,
+    ) -> None:
         kwargs.setdefault("epilog", EXIT_CODES)
         kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        # The parser adds an option of its own, --help.
+        self._section_of: dict[str, argparse._ArgumentGroup] = {}
         super().__init__(*args, **kwargs)
         self.register("type", Path, _path)
         self.examples = tuple(examples)
+        for title, options in (sections or {}).items():
+            self._section_of |= dict.fromkeys(options, self.add_argument_group(title))
+
+    def add_argument(self, *names: Any, **given: Any) -> argparse.Action:
+        """As in argparse, in the section of the option."""
+        section = next((self._section_of[name] for name in names if name in self._section_of), None)
+        return super().add_argument(*names, **given) if section is None else section.add_argument(*names, **given)
 
     def format_help(self) -> str:
         """The help. Each option stands in it once: the usage only names what must be given."""

@@ -35,6 +35,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE
 from railhil.scenarios.settings import normalise_fault, normalise_setting
 from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.system import names as system_names
 
 if TYPE_CHECKING:
     from railhil.scenarios.memory import Memory
@@ -62,6 +63,14 @@ class _Laws:
 
     def __str__(self) -> str:
         return ", ".join(system_named(DEFAULT).law_names())
+
+
+class _UsualLaws:
+    """The default law of each installed system, found when a help is shown."""
+
+    def __str__(self) -> str:
+        names = sorted(system_names(), key=lambda name: name != DEFAULT)
+        return ", ".join(f"{system_named(name).law} of {name}" for name in names)
 
 
 #: Help on a controller that a command takes beside laws.
@@ -93,7 +102,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     # The law, and the way to run it.
     "law": {"metavar": "LAW", "help": "law of the scenario's system (of ato: %(laws)s)"},
     "--controller": {
-        "metavar": "LAW", "help": "law of the scenario's system (of ato: %(laws)s)", "usual": _OF_THE_SCENARIO,
+        "metavar": "LAW", "help": "law of the scenario's system (of ato: %(laws)s)", "usual": "%(usual_laws)s",
     },
     "--laws": {
         "metavar": "A,B,...", "help": f"all, or laws of the scenario's system (of ato: %(laws)s){OR_YOURS}",
@@ -184,6 +193,23 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "--sent-file": {"type": Path, "help": argparse.SUPPRESS},
     SCENARIO_PIPE: {"type": int, "metavar": "DESCRIPTOR", "help": argparse.SUPPRESS},
 }  # fmt: skip
+#: Parts of a long help, for :class:`~railhil.common.command_line.OneLineParser`.
+SECTIONS: Final[Mapping[str, tuple[str, ...]]] = {
+    "what is run": (
+        "--spec", "--set", "--fault", "--seed", "--perturbed", "--no-perturbed", "--run-number", OPTION, MAP_OPTION,
+    ),
+    "the controller": (
+        "--controller", "--laws", "--both", "--parameters", "--arithmetic", "--indexing", "--task-period-ms",
+        "--memory", "--memory-from", "--allow-training-seeds", FMU_OPTION, FMU_MAP_OPTION, "--no-controller",
+        "--controller-name",
+    ),
+    "how it is run": (
+        "--bus", "--pace", "--rate", "--no-rt", "--appear-timeout", "--patience", "--attach", "--fault-logs",
+        "--rerun-command", "--dbc",
+    ),
+    "results": ("--out", "--no-report", "--json", "--sign", "--verbose", "--quiet"),
+    "panel and operator": ("--panel", "--wait", "--catalogue", "--foxglove", "--operator", ORDER),
+}  # fmt: skip
 _OF_THE_LAW = ("--arithmetic", "--indexing", "--task-period-ms")
 _OF_THE_RUN = (
     "--seed", "--perturbed", "--run-number", "--pace", "--appear-timeout", "--patience", "--rate",
@@ -202,7 +228,7 @@ def add_option(parser: Options, name: str, note: str = "", **changes: Any) -> No
     if declared["help"] != argparse.SUPPRESS:
         declared["help"] += f"{note}{f' (default: {usual})' if usual else ''}"
     action = parser.add_argument(name.partition(" ")[0], **declared)
-    action.laws = _Laws()  # type: ignore[attr-defined]
+    action.laws, action.usual_laws = _Laws(), _UsualLaws()  # type: ignore[attr-defined]
 
 
 def add_options(parser: Options, *names: str) -> None:
