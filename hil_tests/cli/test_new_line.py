@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -17,6 +18,15 @@ FILES = {
     "railtoolkit": (TEST_DATA / "railtoolkit" / "paths" / "valley_2024_07.yaml", [], "# stop 1: Mill, 221 m"),
     "railml": (RAILML, ["--track", "t1", "t2", "t3"], "# level where its file has no gradient: 1900 to 2200 m"),
 }
+
+
+def test_a_new_line_explains_each_value_and_says_where_all_keys_stand(here, tmp_path):
+    assert here("new", "line", "mine").exit_code == 0
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    assert (ROOT / re.findall(r"https://\S+/blob/main/(\S+)", text)[0]).is_file()
+    values = text.partition("[train]")[2].partition("[perturbations]")[0].splitlines()
+    silent = [line for line in values if "=" in line and "#" not in line and not line.startswith(("name", "    {"))]
+    assert silent == []
 
 
 @pytest.mark.parametrize("kind", FILES)
