@@ -100,7 +100,7 @@ def bench() -> str:
         drawing.path(f"M{x + 100} 230V268", is_arrow=True)
         drawing.path(f"M{x + 100} 268V232", is_arrow=True)
     drawing.box(16, 270, 640, 38, "house")
-    drawing.text(336, 294, "CAN bus with MVB telegrams: kernel vcan, an adapter, or railhil's own hub", "middle")
+    drawing.text(336, 294, "CAN bus with MVB telegrams: railhil's pipes or hub, kernel vcan, or an adapter", "middle")
     below = (
         ("Panel", "a page with the live run", "house"),
         ("Your board", "instead of the controller", "controller dashed"),

@@ -21,6 +21,8 @@ from railhil.scenarios.system import DEFAULT, names
 
 #: What reStructuredText would read as markup.
 _MARKUP = re.compile(r"([\\*`|_])")
+#: An example of an address, such as tcp://HOST:PORT: nothing to follow.
+_ADDRESS = re.compile(r"((?:tcp|ws|http)://[\w.:]*\w)")
 _COMMANDS = "reference/commands"
 _API = "reference/api"
 _KEYS = """\
@@ -52,7 +54,8 @@ def _literal(text: str) -> Iterator[str]:
 
 
 def _plain(text: str) -> str:
-    return _MARKUP.sub(r"\\\1", " ".join(text.split()))
+    parts = _ADDRESS.split(" ".join(text.split()))
+    return "".join(f"``{part}``" if place % 2 else _MARKUP.sub(r"\\\1", part) for place, part in enumerate(parts))
 
 
 def _list_commands() -> Iterator[str]:

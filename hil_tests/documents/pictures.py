@@ -109,7 +109,7 @@ def main() -> int:
             ("plot", plain, "--out", FOLDER / "run.svg"),
         ):
             subprocess.run(command(*line), stdout=subprocess.DEVNULL, timeout=120, check=True)
-        for file, words, picture in photographs(Path(name) / "run"):
+        for file, words, picture in photographs(Path(name) / "broken"):
             _written(FOLDER / file, words, picture)
     print("\n".join(f"{path.relative_to(ROOT)}: {path.stat().st_size} bytes" for path in sorted(FOLDER.iterdir())))
     return 0

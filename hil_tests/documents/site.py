@@ -2,7 +2,8 @@
 
 Its sources are copies of the pages of docs, and those of :mod:`hil_tests.documents.made_pages`, in
 ``build/site_pages``. Each kind of page has an index, in which the pages
-to which docs/index.md links come first, in its order. Each broken link is an error.
+to which docs/index.md links come first, in its order; a page that goes on with another one's name follows it. The
+entrance of the site links the pages made from the code, too. Each broken link is an error.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ KINDS: Mapping[str, tuple[str, str]] = {
 }
 #: Below reference: pages that commands write whole.
 _WRITTEN = "reproduce/*/page.md"
-_LINK = re.compile(r"\]\(([^)#\s]+\.md)")
+_LINK = re.compile(r"\]\(([^)#\s]+)\.(?:md|rst)\b")
 #: A link out of the folder docs.
 _OUTSIDE = re.compile(r"\]\(((?:\.\./)+[^)#\s]+)")
 
@@ -51,11 +52,13 @@ def lay_out(docs: Path, pages: Path, made: Mapping[str, str]) -> None:
         (pages / name).parent.mkdir(parents=True, exist_ok=True)
         (pages / name).write_text(text, "utf-8")
     entrance = pages / "index.md"
-    text = entrance.read_text("utf-8")
+    text = entrance.read_text("utf-8") + _links_to(made)
     first = {name: place for place, name in reversed(list(enumerate(_LINK.findall(text))))}
 
     def place_of(name: str) -> tuple[int, str]:
-        return first.get(name, sys.maxsize), _title(pages / name)
+        stem = name.rpartition(".")[0]
+        place = first.get(stem, first.get(stem.rpartition("_")[0], sys.maxsize))
+        return place, _title(pages / name)
 
     for kind in FOLDERS:
         found = [
@@ -68,6 +71,13 @@ def lay_out(docs: Path, pages: Path, made: Mapping[str, str]) -> None:
         title, what = KINDS[kind]
         (pages / kind / "index.md").write_text(f"# {title}\n\n{what}\n\n{_toctree(order)}", "utf-8")
     entrance.write_text(f"{text}\n{_toctree([f'{kind}/index.md' for kind in FOLDERS], ':hidden:')}", "utf-8")
+
+
+def _links_to(made: Mapping[str, str]) -> str:
+    """The part of the entrance on pages that are not in the repository: lists and tables made from the code."""
+    names = [name for name in made if name.endswith(".rst") and name.count("/") == 1]
+    links = ", ".join(f"[{_title_of(made[name])}]({name})" for name in names)
+    return f"\nMade from the code: {links}.\n" if links else ""
 
 
 def _with_addresses(text: str, page: Path) -> str:
@@ -84,7 +94,11 @@ def _with_addresses(text: str, page: Path) -> str:
 
 
 def _title(page: Path) -> str:
-    return page.read_text("utf-8").partition("\n")[0].removeprefix("# ").lower()
+    return _title_of(page.read_text("utf-8")).lower()
+
+
+def _title_of(text: str) -> str:
+    return text.partition("\n")[0].removeprefix("# ")
 
 
 def _toctree(names: Sequence[str], option: str = ":maxdepth: 1") -> str:

@@ -44,7 +44,7 @@ def test_every_text_is_inside_of_its_diagram() -> None:
 @pytest.mark.needs_browser
 def test_a_photograph_shows_the_page_of_today(tmp_path: Path) -> None:
     pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
-    seen = list(photographs(tmp_path / "run"))
+    seen = list(photographs(tmp_path / "broken"))
     assert {name for name, _, _ in seen} == set(PHOTOGRAPHS)
     for name, words, _ in seen:
         assert len(words) > 10

@@ -71,6 +71,8 @@ def test_every_link_and_part_of_the_site_is_there(site: Path) -> None:
             parts = urlsplit(address)
             if parts.scheme or parts.netloc:
                 assert address in targets.links or parts.scheme == "data", (page, address)
+                # An address such as tcp://HOST:PORT is an example.
+                assert parts.scheme in ("https", "data", "javascript"), (page, address)
                 continue
             path = (page.parent / unquote(parts.path)).resolve() if parts.path else page
             place = unquote(parts.fragment)
@@ -99,6 +101,10 @@ def test_commands_keys_and_the_library_are_pages_of_the_site(site: Path) -> None
     commands = [name for group in GROUPS.values() for name in group]
     assert [name for name in commands if not (site / "reference" / "commands" / f"{name}.html").exists()] == []
     assert "task.start_spread_kmh" in (site / "reference" / "scenario_keys_stop.html").read_text(encoding="utf-8")
+    entrance = _Targets(site / "index.html").links
+    assert {"reference/commands.html", "reference/api.html"} <= set(entrance)
+    keys = [entrance.index(f"reference/scenario_keys{name}.html") for name in ("", "_emu3", "_hst1", "_stop")]
+    assert keys == list(range(keys[0], keys[0] + 4))
     places = _Targets(site / "reference" / "api.html").places
     assert {"railhil.library.run", "railhil.library.campaign", "railhil.testing.bench.Bench"} <= places
 
