@@ -76,6 +76,9 @@ USAGE = {
     "endless setting": (["bus", "hub", "--port", f"railhil:a,fd={'9' * 5000}"], "key 'fd': found 999"),
     "rate 0": (["run", "--rate", "0"], "--rate: found 0, allowed 0.01 to 1000"),
     "no rate": (["run", "--rate", "nan"], "--rate: found nan"),
+    "no role": (["node"], "ROLE is missing: one of controller, plant"),
+    "no log": (["score", "/etc/passwd"], "/etc/passwd: line 1: found 'root:"),
+    "no log to plot": (["plot", "nix"], "nix: does not exist, expected a candump log"),
     "no entry": (["faults", "--only", ""], "--only: found '', allowed T1, "),
     "unknown entry": (["faults", "--only", "T1,nix"], "--only: found 'nix', allowed T1, "),
     "empty out": (["run", "--out", ""], "--out: found ''"),
@@ -322,6 +325,13 @@ def test_log_of_something_else(here, tmp_path):
     other = "yizhuang_12_ciqu_nan_ciqu"
     line = complaint(here("score", log, "--scenario", other))
     assert f"found '{load('lvshun_tieshan').sha256[:8]}', allowed {load(other).sha256[:8]} ({other})" in line
+
+
+def test_a_certificate_names_its_run(here, tmp_path):
+    log_of(tmp_path, ident_frames())
+    (tmp_path / "certificate.json").write_text("{}")
+    done = here("score", tmp_path / "certificate.json", "--scenario", "lvshun_tieshan")
+    assert (done.exit_code, done.out) == (3, "INVALID: run record_incomplete\n")
 
 
 def test_certificates_that_do_not_help(here, tmp_path):

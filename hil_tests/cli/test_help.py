@@ -33,7 +33,11 @@ def test_without_a_command_the_first_steps_are_shown_and_nothing_has_passed(here
 
 def test_help_is_a_command_as_people_type_it(here: Railhil) -> None:
     assert here("help").out == here("--help").out
+    assert here("help", "help").out == here("--help").out
     assert here("help", "score").out == here("score", "--help").out
+    assert here("help", "new", "line").out == here("new", "line", "--help").out
+    assert "found NOPE, allowed nothing after railhil run" in complaint(here("help", "run", "NOPE"))
+    assert "found --json, allowed nothing after railhil run" in complaint(here("help", "run", "--json"))
 
 
 def test_every_command_stands_in_one_group_and_in_one_line(here: Railhil) -> None:
@@ -126,6 +130,12 @@ def test_an_option_by_both_names_has_one_value(words: list[str], capsys: pytest.
         parser.parse_args(words)
     assert "--first-seed: found 3, allowed 4" in capsys.readouterr().err
     assert vars(parser.parse_args(["--seed", "5", "--first-seed", "5"])) == {"seed": 5}
+
+
+def test_choices_of_a_missing_argument_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        COMMANDS["railhil completion"].parse_args([])
+    assert "SHELL is missing: one of bash, zsh" in capsys.readouterr().err
 
 
 #: Words that another command has, or nearly -> what this one has.

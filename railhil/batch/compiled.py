@@ -34,7 +34,7 @@ try:
     import numba
     from numba.extending import overload
 except ImportError as error:
-    raise missing_library("batch", error, "campaign") from None
+    raise missing_library("railhil.batch", error, "campaign") from None
 
 #: Exceptions raised when a damaged cache file is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)

@@ -17,12 +17,14 @@ def main(words: Sequence[str] | None = None) -> int:
     :param words: the command line; None: that of this process.
     """
     given = sys.argv[1:] if words is None else list(words)
-    if given[:1] == ["help"]:
-        given = [*given[1:], "--help"]
 
     def work() -> int:
         from railhil.cli import programs as outside
 
+        if given[:1] == ["help"]:
+            from railhil.cli import help_words
+
+            given[:] = help_words.as_options(given[1:])
         outside.become_program(given)
         from railhil.cli import commands
 

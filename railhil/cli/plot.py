@@ -28,11 +28,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Draw the picture and print its path."""
+    record = checked_record(namespace.log, namespace.scenario)
     try:
         from railhil.report.pictures import draw_signals
     except ImportError as error:
         raise missing_library("railhil plot", error, "report") from None
-    record = checked_record(namespace.log, namespace.scenario)
     system, truth = record.system, record.judging.truth
     draw, trace = draw_signals, record.trace
     if system.picture is not None:

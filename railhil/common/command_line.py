@@ -159,10 +159,11 @@ class OneLineParser(argparse.ArgumentParser):
         return action.name if isinstance(action, _FormerName) else near[0]
 
     def error(self, message: str) -> NoReturn:
-        """Print one line and end with exit code 2. If a subcommand is missing, the line names them."""
+        """Print one line and end with exit code 2. If a subcommand or another choice is missing, the line names all."""
+        missing = message.partition("arguments are required: ")[2].split(", ")[0]
         for action in self._actions:
-            if isinstance(action, argparse._SubParsersAction) and message.endswith(f"required: {action.metavar}"):
-                message = f"{action.metavar} is missing: one of {', '.join(action.choices)}"
+            if action.choices and not action.option_strings and action.metavar == missing:
+                message = f"{missing} is missing: one of {', '.join(map(str, action.choices))}"
         if found := _CHOICE.search(message):
             word, names = found[1].strip("'"), [name.strip("'") for name in found[2].split(", ")]
             hint = did_you_mean(word, names)

@@ -263,12 +263,13 @@ def law_label(certificate: Mapping[str, Any], otherwise: str) -> str:
 
 
 def log_path(text: str) -> Path:
-    """Path of the log that a user named directly or by its run folder.
+    """Path of the log that a user named directly, by its run folder or by the certificate in it.
 
     :raises InputError: there is no such file.
     """
     path = Path(text)
-    log = path / "frames.log" if path.is_dir() else path
+    folder = path.parent if path.name == CERTIFICATE else path
+    log = folder / "frames.log" if folder.is_dir() else path
     if not log.is_file():
         found = Words("does not exist" if not log.exists() else "is no regular file")
         raise InputError(log, "", found, "a candump log, a BLF of one, or a run folder with frames.log")
@@ -289,6 +290,8 @@ def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
     path = log.parent / CERTIFICATE
     document = read_certificate(log.parent, _BESIDE)
     if document is None:
+        # A file that is no log has no certificate either; its first line says more.
+        next(iter(read_log(log)), None)
         raise InputError(path, "", Words("does not exist: the run did not come to its end"), _BESIDE)
     scenario = document.get("scenario")
     if scenario is None:

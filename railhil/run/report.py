@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhil.common.errors import describe_os_error
-from railhil.common.extras import install_command
+from railhil.common.extras import missing_library
 
 if TYPE_CHECKING:
     from railhil.judge.record import Record
@@ -47,7 +47,7 @@ def say_report(folder: Path, write: Callable[[Path], None]) -> str:
     try:
         write(path)
     except ImportError as error:
-        return f"no report: {error.name} is not installed ({install_command('report')})"
+        return str(missing_library("no report", error, "report"))
     except OSError as error:
         return f"no report: {path} cannot be written ({describe_os_error(error)})"
     return f"report {path}"

@@ -312,7 +312,7 @@ def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
     for name in ("batch.compiled", "systems.ato.batch.kernel", "systems.ato.batch.engine"):
         monkeypatch.delitem(sys.modules, f"railhil.{name}", raising=False)
         monkeypatch.delattr(f"railhil.{name}", raising=False)
-    with pytest.raises(InputError, match=r"^batch: numba is not installed; install it with .* -m pip install "):
+    with pytest.raises(InputError, match=r"^railhil.batch: numba is not installed; install it with .* -m pip install "):
         run_batch(Case(short), [1])
 
 
