@@ -88,6 +88,7 @@ def test_export_writes_what_a_store_takes_as_its_default(
         (("show", "{}/none"), "none: does not exist"),
         (("show", "{}"), "has no record, expected a folder with a.json, b.json, default.json"),
         (("verify", "{}/bad.json"), r"bad\.json: cannot be read"),
+        (("show", "{}/certificate.json"), "certificate.json: memory: missing, expected the certificate of a run that"),
         (("export", "{}/memory", "--slot", "default", "--out", "{}/x"), "no record in default"),
         (("export", "{}/memory", "--out", "{}/no/x"), "--out: the file "),
         (("verify", "{}/memory", "--scenario", "nowhere"), "found 'nowhere'"),
@@ -96,6 +97,7 @@ def test_export_writes_what_a_store_takes_as_its_default(
 )
 def test_bad_input_is_one_line(words: tuple[str, ...], line: str, store: Path, tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text("{")
+    (tmp_path / "certificate.json").write_text('{"frames_sha256": "00"}')
     with pytest.raises(InputError, match=line) as refused:
         work(["memory", *(word.format(tmp_path) for word in words)])
     assert len(str(refused.value).splitlines()) == 1

@@ -109,7 +109,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=[
             "railhil run --controller ipfc_plus",
             "railhil run yizhuang_05 --controller ipfc_plus --seed 7 --perturbed --out runs/mine",
-            'railhil run --controller ipfc_plus --fault "TRN_SPEED loss 30% @20s for 5s"',
+            'railhil run --controller ipfc_plus --fault "TRN_SPEED loss 30% @20s for 5s" --out runs/other',
+            "railhil run yizhuang_stop --memory memory",
         ],
         sections=SECTIONS,
     )

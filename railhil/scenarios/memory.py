@@ -303,6 +303,8 @@ def load_memory(path: Path) -> Memory:
         document = _document(path)
         if "crc32" not in document and isinstance(document.get("memory"), dict):
             document = document["memory"]
+        elif "crc32" not in document and "frames_sha256" in document:
+            raise InputError(path, "memory", Words(), "the certificate of a run that kept a memory (run --memory DIR)")
         if "stored" in document:
             return memory_from_json(document, path)
         record = _record(document, path)
