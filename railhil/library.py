@@ -6,7 +6,7 @@ The functions work like the commands: the same folders, hashes and verdicts.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,8 +16,9 @@ import numpy as np
 from rich.console import Console
 
 from railhil.charts.notebook import html_cell, html_paragraph, html_table, text_table
-from railhil.common.command_line import RATE, USUAL_LAW, USUAL_SCENARIO
+from railhil.common.command_line import RATE, RATE_MAX, RATE_MIN, USUAL_SCENARIO
 from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.common.library_call import PATH, PATH_OR_NONE, TEXTS, Kind, are_paths, are_texts, is_path, library_call
 from railhil.judge.criteria import Criterion
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.judging import Judging
@@ -41,8 +42,9 @@ from railhil.run.spec import (
     settings_of,
     spec_of,
 )
-from railhil.scenarios.given import NamedCode
+from railhil.scenarios.given import GivenController, NamedCode
 from railhil.scenarios.load import stable_name
+from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import RunSpec, StartUp
 
 __all__ = [
@@ -62,7 +64,46 @@ __all__ = [
 #: One recorded run, as this library calls it.
 Outcome = Record
 
+_SETTINGS = Kind(
+    "a mapping, a text KEY=VALUE or a list of such texts", lambda value: isinstance(value, Mapping) or are_texts(value)
+)
+#: Arguments by their options or keys, where the names differ.
+_NAMES = {"--set": "settings", "--fault": "faults"}
 
+
+def _is_controller(value: Any) -> bool:
+    if value is None or is_path(value) or isinstance(value, GivenController):
+        return True
+    return callable(value) or hasattr(value, "step")
+
+
+def _is_rate(value: Any) -> bool:
+    return isinstance(value, int | float) and RATE_MIN <= value <= RATE_MAX
+
+
+def _is_run(value: Any) -> bool:
+    return is_path(value) or isinstance(value, Record)
+
+
+@library_call(
+    "railhil.run",
+    {
+        "scenario": Kind("a name, a path or a RunSpec", lambda value: is_path(value) or isinstance(value, RunSpec)),
+        "controller": Kind("the name of a law, FILE:NAME, a function or an object with step", _is_controller),
+        "parameters": Kind(
+            "a file or values by name",
+            lambda value: value is None or is_path(value) or isinstance(value, ParameterSet | Mapping),
+        ),
+        "settings": _SETTINGS,
+        "faults": TEXTS,
+        "rate": Kind(f"a number from {RATE_MIN:g} to {RATE_MAX:g}", _is_rate),
+        "bus": Kind("a text", lambda value: isinstance(value, str)),
+        "memory": PATH_OR_NONE,
+        "no_controller": Kind("True or False", lambda value: isinstance(value, bool)),
+        "out": PATH_OR_NONE,
+    },
+    {**_NAMES, "memory_store": "memory"},
+)
 def run(
     scenario: str | Path | RunSpec = USUAL_SCENARIO,
     *,
@@ -107,6 +148,8 @@ def run(
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
     """
+    if rate != RATE and pace == "lockstep":
+        raise InputError("railhil.run", "rate", rate, Sentence("used only in a run with pace realtime"))
     kind, can = bus_of(bus, "railhil.run")
     if isinstance(scenario, RunSpec):
         spec = scenario if kind == bus else replace(scenario, bus=kind)
@@ -129,6 +172,7 @@ def run(
     return as_recorded(result)
 
 
+@library_call("railhil.open_run", {"folder": PATH})
 def open_run(folder: str | Path) -> Outcome:
     """A run from its folder, judged again from the log alone; also from version 0.1.0 or from another machine.
 
@@ -169,7 +213,13 @@ class Comparison:
 
     @property
     def _heads(self) -> list[str]:
-        return ["run", "verdict", *(f"{one.title} ({one.unit_typeset})" for one in self.criteria)]
+        """Heads of the columns; ``absolute`` where the table leaves out a sign that the score has."""
+        titles = (f"{'absolute ' if one.signed else ''}{one.title}" for one in self.criteria)
+        return [
+            "run",
+            "verdict",
+            *(f"{title} ({one.unit_typeset})" for title, one in zip(titles, self.criteria, strict=True)),
+        ]
 
     def _rows(self) -> list[list[str]]:
         """The runs, and the published scores of laws that are not among them; a missed limit has a cross."""
@@ -180,15 +230,24 @@ class Comparison:
         return found
 
 
-def compare(runs: Sequence[Outcome | str | Path]) -> Comparison:
+def _are_runs(value: Any) -> bool:
+    return _is_run(value) or (isinstance(value, Iterable) and not isinstance(value, Mapping | Set))
+
+
+@library_call("railhil.compare", {"runs": Kind("a run, a run folder or a list of them", _are_runs)})
+def compare(runs: Outcome | str | Path | Iterable[Outcome | str | Path]) -> Comparison:
     """Runs of one scenario beside each other, as in the report of ``railhil compare``.
 
-    :param runs: results of :func:`run` or :func:`open_run`, or run folders.
+    :param runs: results of :func:`run` or :func:`open_run`, or run folders; one or several.
     :raises InputError: there is none, a folder has no record, or two are of different scenarios.
     """
-    if not runs:
+    several = [runs] if isinstance(runs, str | Path | Record) else list(runs)
+    if not several:
         raise InputError("railhil.compare", "runs", Words("empty"), "one run or several")
-    records = [run if isinstance(run, Record) else open_run(run) for run in runs]
+    for place, one in enumerate(several):
+        if not _is_run(one):
+            raise InputError("railhil.compare", f"runs[{place}]", one, "a run or a run folder")
+    records = [run if isinstance(run, Record) else open_run(run) for run in several]
     check_one_scenario(records)
     labels = distinct_labels(records)
     return Comparison(tuple(run.copy_with(label=label) for run, label in zip(records, labels, strict=True)))
@@ -255,10 +314,21 @@ class CampaignOutcome:
         return self._results.to_pandas()
 
 
+@library_call(
+    "railhil.campaign",
+    {
+        "scenario": PATH,
+        "parameters": Kind("a file or a list of files", are_paths),
+        "settings": _SETTINGS,
+        "jobs": Kind("a whole number from 1, or -1", lambda value: type(value) is int and (value >= 1 or value == -1)),
+        "out": PATH_OR_NONE,
+    },
+    {**_NAMES, "first_seed": "seed"},
+)
 def campaign(
     scenario: str | Path = USUAL_SCENARIO,
     *,
-    laws: Laws = (USUAL_LAW,),
+    laws: Laws | None = None,
     runs: int = 1000,
     seed: int = 1000,
     arithmetic: str = "float64",
@@ -274,7 +344,7 @@ def campaign(
 
     :param scenario: shipped name, or path of a TOML file.
     :param laws: one or several, or ``"all"``: names of laws, texts as for :func:`run`, or functions and classes at the
-        top of a file.
+        top of a file; None: those of ``parameters``, or else the usual law of the scenario's system.
     :param runs: number of runs of each law.
     :param seed: of the first run; each further run has the next seed.
     :param arithmetic: of the laws.
@@ -299,7 +369,7 @@ def campaign(
     from railhil.study.manifest import checked_request
     from railhil.study.perturbed_runs import how_made
 
-    texts, code = named_laws(laws)
+    texts, code = ((), {}) if laws is None else named_laws(laws)
     files = (parameters,) if isinstance(parameters, str | Path) else parameters
     request = Request(
         scenario=stable_name(str(scenario)),

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from hil_tests.support.cli import railhil as command
 from hil_tests.support.paths import ROOT, TEST_DATA
 from railhil import library
 from railhil.campaign import plan
+from railhil.scenarios.load import load_any as load_scenario
 
 
 @pytest.fixture
@@ -156,7 +158,18 @@ def test_a_certificate_of_version_0_1_0_is_a_run_description(name: str) -> None:
         ({"seed": -1}, "seed: found -1"),
         ({"seed": 1.5}, "seed: found 1.5"),
         ({"bus": "vcan0"}, "bus: found 'vcan0'"),
-        ({"pace": "realtime"}, "--bus local: used only with --pace lockstep, not with --pace realtime"),
+        ({"pace": "realtime"}, "railhil.run: bus local: used only with pace lockstep, not with pace realtime"),
+        ({"rate": "x"}, "railhil.run: rate: found 'x'"),
+        ({"rate": 2.0}, "railhil.run: rate: used only in a run with pace realtime"),
+        ({"faults": 3}, "railhil.run: faults: found 3"),
+        ({"faults": "NOTCH_CMD los @1s"}, "railhil.run: faults: notch_cmd los @1s: found 'los'"),
+        ({"settings": [3]}, "railhil.run: settings: found [3]"),
+        ({"settings": {"plan.stop_error_max_m": object()}}, "railhil.run: settings: plan.stop_error_max_m: found"),
+        ({"settings": "plan"}, "railhil.run: settings: found 'plan'"),
+        ({"memory": 3}, "railhil.run: memory: found 3"),
+        ({"parameters": 3}, "railhil.run: parameters: found 3"),
+        ({"controller": 3}, "railhil.run: controller: found 3"),
+        ({"bus": None}, "railhil.run: bus: found None"),
         ({"settings": {"plan.nonsense": 1}}, "plan.nonsense"),
         ({"parameters": {"nonsense": 1}}, "railhil.run: parameters.nonsense: unknown key"),
         ({"parameters": {"softening_max": 7}}, "railhil.run: parameters.softening_max: found 7"),
@@ -170,6 +183,47 @@ def test_bad_input_is_one_line_and_leaves_nothing(short: Path, tmp_path: Path, g
     assert line in str(raised.value).lower() or line in str(raised.value)
     assert "\n" not in str(raised.value)
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("called", [railhil.run, railhil.open_run, railhil.compare])
+@pytest.mark.parametrize("given", [None, 3, {"a": 1}])
+def test_what_is_no_run_is_named_by_its_argument(called: Any, given: Any) -> None:
+    with pytest.raises(railhil.InputError, match=r"^railhil\.(run: scenario|open_run: folder|compare: runs): found "):
+        called(given)
+
+
+def test_the_folder_of_a_call_is_no_option(tmp_path: Path) -> None:
+    file = tmp_path / "a.py"
+    file.touch()
+    for called in (railhil.run, railhil.campaign):
+        with pytest.raises(railhil.InputError, match=r"^railhil\.(run|campaign): out: the folder"):
+            called(out=file)
+        with pytest.raises(railhil.InputError, match=r"^railhil\.(run|campaign): out: found 3"):
+            called(out=3)
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        ({"laws": []}, "laws: empty"),
+        ({"laws": ["ipfc", "ipfc"]}, "laws, parameters: ipfc twice"),
+        ({"seed": -1}, "seed: found -1"),
+        ({"jobs": 0}, "jobs: found 0"),
+        ({"jobs": "x"}, "jobs: found 'x'"),
+        ({"parameters": 3}, "parameters: found 3"),
+    ],
+)
+def test_a_campaign_names_its_arguments(tmp_path: Path, given: dict, line: str) -> None:
+    with pytest.raises(railhil.InputError) as raised:
+        railhil.campaign(out=tmp_path / "campaign", **given)
+    assert str(raised.value).startswith(f"railhil.campaign: {line}")
+    assert not (tmp_path / "campaign").exists()
+
+
+@pytest.mark.slow
+def test_a_campaign_without_laws_has_the_law_of_the_system(tmp_path: Path) -> None:
+    found = railhil.campaign("hst_short", runs=1, out=tmp_path / "campaign")
+    assert found.laws == (load_scenario("hst_short").installed_system.law,)
 
 
 def test_a_campaign_is_called_by_the_name_of_its_package(tmp_path: Path) -> None:

@@ -106,7 +106,7 @@ def test_runs_are_compared_with_the_marks_of_the_report(outcome: railhil.Outcome
     assert [run.label for run in found.runs] == ["ipfc seed 3", "ipfc seed 4"]
     tree = block(found._repr_html_())
     heads, *lines = rows(tree)
-    assert len(heads) == 2 + len(found.criteria)
+    assert [head.startswith("absolute ") for head in heads[2:]] == [bool(one.signed) for one in found.criteria]
     assert [line[:2] for line in lines[:2]] == [[run.label, run.verdict] for run in found.runs]
     for run, line in zip((outcome, other), lines, strict=False):
         values = [run.scores[criterion.key] for criterion in found.criteria]
@@ -118,10 +118,22 @@ def test_runs_are_compared_with_the_marks_of_the_report(outcome: railhil.Outcome
     assert found.to_pandas().loc["ipfc seed 4", "itae"] == other.scores["itae"]
 
 
+def test_one_run_is_compared_with_the_published_scores(outcome: railhil.Outcome) -> None:
+    found = railhil.compare(outcome)
+    assert [run.log for run in found.runs] == [outcome.log]
+    assert [run.log for run in railhil.compare(str(outcome.folder)).runs] == [outcome.log]
+    with pytest.raises(railhil.InputError, match=r"^railhil.compare: runs\[1\]: found None"):
+        railhil.compare([outcome, None])  # type: ignore[list-item]
+    with pytest.raises(railhil.InputError, match=r"^railhil.compare: runs: found \{"):
+        railhil.compare({outcome})
+
+
 def test_runs_of_two_scenarios_are_not_compared(outcome: railhil.Outcome, tmp_path: Path) -> None:
     other = railhil.run(outcome.spec.scenario, settings="plan.stop_error_max_m=0.1", out=tmp_path / "other")
     with pytest.raises(railhil.InputError, match=r"scenario: found .* as in "):
         railhil.compare([outcome, other])
+    assert not other.passed
+    assert all(reason in repr(other) for reason in other.reasons)
     with pytest.raises(railhil.InputError, match=r"runs: empty, expected one run"):
         railhil.compare([])
 

@@ -39,7 +39,7 @@ _POINTS_MIN = 2
 _BESIDE = "a certificate beside the log, or --scenario"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Record:
     """One recorded run, whose parts belong together.
 
@@ -59,9 +59,9 @@ class Record:
     timed: Sequence[Timed] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        """Verdict, scores and folder in a line."""
-        scores = self.score.in_words(self.judging.criteria) or self.line
-        return f"<{'; '.join(filter(None, (f'{self.verdict}: {self.title}', scores, self.place)))}>"
+        """Verdict, scores, reasons of a verdict other than PASS, and folder in a line."""
+        scores, reasons = self.score.in_words(self.judging.criteria), "" if self.passed else self.line
+        return f"<{'; '.join(filter(None, (f'{self.verdict}: {self.title}', scores, reasons, self.place)))}>"
 
     def _repr_html_(self) -> str:
         from railhil.judge.notebook import run_html

@@ -21,7 +21,7 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import normalise_setting
+from railhil.scenarios.settings import SET, normalise_setting
 
 #: One text or several.
 Texts = str | Sequence[str]
@@ -86,9 +86,11 @@ def named_laws(laws: Laws) -> tuple[tuple[str, ...], dict[str, GivenController]]
 
     A function or class becomes the text by which other processes find it.
 
-    :raises InputError: one of them is neither a text nor found in a file.
+    :raises InputError: there is none, or one of them is neither a text nor found in a file.
     """
     several = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else (laws,)
+    if not several:
+        raise InputError("railhil.campaign", "laws", Words("empty"), "one law or several")
     texts = tuple(law if isinstance(law, str) else _text_of(law) for law in several)
     return texts, given_controllers(texts)
 
@@ -147,9 +149,16 @@ def bus_of(text: str, source: str) -> tuple[str, dict[str, Any]]:
 def settings_of(given: Settings) -> tuple[str, ...]:
     """Settings as ``KEY=VALUE``, checked."""
     if isinstance(given, Mapping):
-        # JSON values are TOML values, except tables and null, which no key has.
-        given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
+        given = [f"{key}={_toml_value(key, value)}" for key, value in given.items()]
     return tuple(normalise_setting(text) for text in texts_of(given))
+
+
+def _toml_value(key: str, value: Any) -> str:
+    try:
+        # JSON values are TOML values, except tables and null, which no key has.
+        return json.dumps(value)
+    except (TypeError, ValueError):
+        raise InputError(SET, key, value, "a number, a text, true or false, or a list of them") from None
 
 
 def texts_of(given: Texts) -> tuple[str, ...]:
