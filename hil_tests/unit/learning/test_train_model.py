@@ -12,6 +12,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.bench import direct_run
 from railhil.common.errors import InputError
+from railhil.common.version import full_version
 from railhil.controller_node.high_speed.learned import WEIGHTS, shipped_networks
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.dbc import wire_contract
@@ -75,8 +76,9 @@ def test_the_shipped_network_is_what_its_command_makes(tmp_path: Path) -> None:
     ours = tomllib.loads(file.read_text())["training"]["notes"]
     # The shipped file was made by other code.
     assert ours.pop("code_sha256") == code_sha256()
+    assert ours["railhil"] == full_version()
     assert len(ours.pop("training_sha256")) == 64
-    assert ours | {"record_sha256": theirs["record_sha256"]} == theirs
+    assert ours | {name: theirs[name] for name in ("railhil", "record_sha256")} == theirs
 
 
 @pytest.mark.long
