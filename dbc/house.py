@@ -16,10 +16,13 @@ def house_contract() -> Contract:
     return parsed_contract(HOUSE, Path(__file__).with_name(HOUSE).read_text(encoding="utf-8"))
 
 
-def own_ports(contract: Contract) -> list[Port]:
-    """The ports of a system beside the ports of the house."""
-    house = {port.name for port in house_contract().ports}
-    return [port for port in contract.ports if port.name not in house]
+def own_ports(contract: Contract, base: Contract | None = None) -> list[Port]:
+    """The ports of a system beside the ports of the house.
+
+    :param base: the contract that it extends, whose ports are not its own either.
+    """
+    others = {port.name for port in (base or house_contract()).ports}
+    return [port for port in contract.ports if port.name not in others]
 
 
 def _check_same(file: str, port: Port, house: Port) -> None:

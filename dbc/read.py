@@ -181,8 +181,8 @@ def _dbc_sha256(file: str, text: str) -> str:
 
 def _made(file: str, table: Mapping[str, Any]) -> Contract:
     """The contract of a parsed port table, without the hash of its DBC; the ports of the house are added unless the
-    table repeats them."""
-    ports = _ports(file, table)
+    table repeats them, and those of the table that it extends."""
+    ports = _extended_ports(file, table) + _ports(file, table)
     bus, house = table.get("bus", {}), _house_table()
     names = [port.name for port in ports]
     repeated = [entry["name"] for entry in house["port"] if entry["name"] in names]
@@ -202,6 +202,29 @@ def _made(file: str, table: Mapping[str, Any]) -> Contract:
         ports=tuple(sorted(ports, key=lambda port: port.address)),
         sha256="",
     )
+
+
+def _extended_ports(file: str, table: Mapping[str, Any]) -> list[Port]:
+    """The ports of the table of railhil that a table extends.
+
+    :raises ContractError: there is no such table, it extends another one, or a port is in both.
+    """
+    name = table.get("extends")
+    if name is None:
+        return []
+    base = _FOLDER / str(name)
+    if base.name != name or name == HOUSE or not base.is_file():
+        known = sorted(path.name for path in _FOLDER.glob("*.toml") if path.name not in (HOUSE, file))
+        raise ContractError(f"{file}: extends: found {name!r}, allowed a port table of railhil: {', '.join(known)}")
+    base_table = tomllib.loads(_text(base))
+    if "extends" in base_table:
+        raise ContractError(f"{file}: extends: found {name!r}, which extends another table, allowed one that does not")
+    ports = _ports(base.name, base_table)
+    own = {str(entry["name"]) for entry in table["port"]}
+    for port in ports:
+        if port.name in own:
+            raise ContractError(f"{file}: {port.name}.name: found a port of {name}, allowed another name")
+    return ports
 
 
 @cache

@@ -7,6 +7,7 @@ writes the stubs from the same tables; they are not in git.
 from __future__ import annotations
 
 import textwrap
+import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -19,6 +20,7 @@ _TABLES = {
     "bus/telegrams.pyi": HOUSE,
     "railhil/wire/ato.pyi": PORTS,
     "railhil/wire/high_speed.pyi": "hst1.toml",
+    "railhil/wire/line.pyi": "line.toml",
     "railhil/wire/stop.pyi": "stop.toml",
 }
 
@@ -31,9 +33,18 @@ def write_stubs(root: Path) -> None:
     """
     for name, table in _TABLES.items():
         path, place = root / name, Path(__file__).with_name(table)
-        text = stub(house_contract().ports if table == HOUSE else own_ports(system_contract(place)), table)
+        text = stub(_ports_of(place), table)
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+
+
+def _ports_of(table: Path) -> Iterable[Port]:
+    """The ports whose telegrams the module of a table has: not those of the house, nor of a table that it extends."""
+    if table.name == HOUSE:
+        return house_contract().ports
+    base = tomllib.loads(table.read_text(encoding="utf-8")).get("extends")
+    extended = None if base is None else system_contract(table.with_name(base))
+    return own_ports(system_contract(table), extended)
 
 
 def stub(ports: Iterable[Port], table: str) -> str:

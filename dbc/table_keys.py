@@ -21,7 +21,7 @@ _KINDS: Mapping[str, tuple[type, ...]] = {
     _LAYOUT: (list, str),
 }
 #: Required keys, and optional ones.
-_OF_TABLE = {"port": _TABLES}, {"bus": _TABLE, "shared": _TABLE}
+_OF_TABLE = {"port": _TABLES}, {"bus": _TABLE, "shared": _TABLE, "extends": _TEXT}
 _OF_PORT = (
     {
         "name": _TEXT,

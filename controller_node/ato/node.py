@@ -13,6 +13,7 @@ from railhil.bus.responder import Reading
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, source_identity
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
+from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.ato.balises import Balises
 from railhil.controller_node.ato.controller import Controller, ControlOutput
 from railhil.controller_node.ato.guard import Guard
@@ -84,6 +85,7 @@ def _supported_bit_rate(law: LawSpec, bit_rate: int | None, *, safe: bool, fd: b
     return bit_rate
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ControllerNode(LawNode):
     """A law behind a guard: mailboxes of the CAN module, checks of their telegrams, and a watch that limits the notch.
 

@@ -22,7 +22,6 @@ from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.control_loop import POSITION_MAX_01MM
-from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import DISTANCE_MAX_M, POSITION_AGE_MAX_MS, Scenario
 from railhil.wire.ato import CtlCause, TrnPos
 
@@ -62,7 +61,9 @@ class Odometer:
 
     def __init__(self, scenario: Scenario, task_period_ns: int = 0, *, needed: bool = False) -> None:
         timing, sensors = scenario.timing, scenario.sensors
-        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
+        schedule = Schedule.from_contract(
+            timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract
+        )
         self.counters: Counter[str] = Counter()
         #: Number of plausible telegrams.
         self.accepted = 0

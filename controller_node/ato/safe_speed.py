@@ -16,7 +16,6 @@ from collections import Counter
 
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSink, SinkLimits, Validity, safe_tick, source_identity
-from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import SpeedSdt
 
@@ -32,7 +31,9 @@ class SafeSpeed:
 
     def __init__(self, scenario: Scenario) -> None:
         timing, safety = scenario.timing, scenario.safety
-        ticks = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract()).ticks(SpeedSdt.PORT)
+        ticks = Schedule.from_contract(
+            timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract
+        ).ticks(SpeedSdt.PORT)
         self._counters: Counter[str] = Counter()
         #: Number of telegrams that confirmed a speed.
         self.accepted = 0

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.bus.schedule import Schedule
-from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed
 
@@ -37,7 +36,9 @@ class Latency:
 
     def __init__(self, scenario: Scenario) -> None:
         timing = scenario.timing
-        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
+        schedule = Schedule.from_contract(
+            timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract
+        )
         self._frame_ticks = schedule.ticks(TrnSpeed.PORT)
         self.poll_ticks = schedule.ticks(NotchCmd.PORT)
         self._turn = _LIFE_TURN * self._frame_ticks

@@ -13,7 +13,6 @@ from typing import Final
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.ato.speed_watch import Finding
-from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlCause, TrkInfo, WatchLevel
 
@@ -28,7 +27,7 @@ _BRAKE: Final = Finding(WatchLevel.SERVICE_BRAKE, CtlCause.TRACK_AGE)
 def ages_ns(scenario: Scenario) -> tuple[int, int]:
     """Ages above which the traction is cut, and the train brakes."""
     timing = scenario.timing
-    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
+    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract)
     period_ns = schedule.ticks(TrkInfo.PORT) * timing.base_tick_ns
     return CUT_PERIODS * period_ns, scenario.watch.emergency_ms * 1_000_000
 

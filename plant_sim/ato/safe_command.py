@@ -12,7 +12,6 @@ from collections import Counter
 
 from railhil.bus.schedule import Schedule
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSink, SinkLimits, Validity, safe_tick, source_identity
-from railhil.dbc import wire_contract
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, NotchSdt
 
@@ -26,7 +25,9 @@ class SafeCommand:
 
     def __init__(self, scenario: Scenario) -> None:
         timing, safety = scenario.timing, scenario.safety
-        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
+        schedule = Schedule.from_contract(
+            timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract
+        )
         self._counters: Counter[str] = Counter()
         #: Number of telegrams that confirmed a command.
         self.accepted = 0

@@ -15,6 +15,7 @@ from railhil.bus.layout import CHECK_ERRONEOUS, Telegram, flag
 from railhil.bus.sdt import SAFE_DATA_VERSION, SafeSource, safe_tick_fields, source_identity
 from railhil.bus.telegrams import TimeSync
 from railhil.common.floats import rounded
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato.plant import Plant
 from railhil.scenarios.profiles import Profile, profile_value
 from railhil.systems.ato.scenario.model import Scenario
@@ -34,6 +35,7 @@ def _highest(telegram: type[Telegram], field: str) -> int:
     return dict(telegram.signals())[field].raw_range[1]
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class TrainTelegrams:
     """Makes the plant's periodic telegrams; one life sign counter per port."""
 

@@ -20,6 +20,7 @@ SYSTEMS = {
     "ato": "railhil.systems.ato:ATO",
     "emu3": "railhil.systems.high_speed:EMU3",
     "hst1": "railhil.systems.high_speed:HST1",
+    "line": "railhil.systems.line:LINE",
     "stop": "railhil.systems.stop:STOP",
 }
 #: The kinds of controllers that a user brings (:mod:`railhil.scenarios.given`).

@@ -45,6 +45,9 @@ RUN_VALUES, RUN_SPEED_NOISE, RUN_WANDER, RUN_BALISES = 11, 12, 13, 14
 #: default scenario: it stops 0.269 m short, the median over 2000 seeds is 0.267 m.
 AXLE_NOISE = 24
 
+#: Disturbances of the dwell at the stops of a line, mass of the train in each section, noise of the train protection's
+#: own axle sensor, and of the docking loop.
+DWELL, SECTION_LOAD, PROTECTION_NOISE, DOCKING = 25, 26, 27, 28
 
 #: Largest word of a ``SeedSequence``.
 _WORD_MAX = 2**32 - 1

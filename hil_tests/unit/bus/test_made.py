@@ -21,7 +21,8 @@ from railhil.bus.made import telegrams_of
 from railhil.dbc import ContractError, Port, house_contract, load_contract, own_ports, wire_contract
 from railhil.dbc.drawing import drawing
 from railhil.dbc.stubs import stub
-from railhil.wire import ato, high_speed, stop
+from railhil.systems.line import LINE
+from railhil.wire import ato, high_speed, line, stop
 from railhil.wire.power_units import wire
 from railhil.wire.stop_counts import CONTRACT
 
@@ -30,6 +31,7 @@ MODULES = {
     ato: own_ports(wire_contract()),
     stop: own_ports(CONTRACT),
     high_speed: own_ports(wire(1).contract),
+    line: own_ports(LINE.contract, wire_contract()),
 }
 #: A table with what may stand in one: names of its own, names by default, an enumeration, a shared layout.
 TABLE = """

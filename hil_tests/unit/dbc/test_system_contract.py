@@ -7,13 +7,21 @@ from pathlib import Path
 import pytest
 
 from railhil.common.held_code import place_of
-from railhil.dbc import Contract, ContractError, house_contract, load_contract, system_contract, wire_contract
+from railhil.dbc import (
+    Contract,
+    ContractError,
+    house_contract,
+    load_contract,
+    own_ports,
+    system_contract,
+    wire_contract,
+)
 from railhil.dbc.text import dbc_text, table_text
 
 TOY = Path(__file__).parents[2] / "data" / "toy_system" / "two_carts" / "ports.toml"
 
 
-SYSTEMS = [system_contract(place_of("dbc") / f"{name}.toml") for name in ("ports", "hst1", "emu3", "stop")]
+SYSTEMS = [system_contract(place_of("dbc") / f"{name}.toml") for name in ("ports", "hst1", "emu3", "stop", "line")]
 
 
 def changed(folder: Path, old: str, new: str) -> Path:
@@ -92,3 +100,29 @@ def test_a_table_that_cannot_serve_is_refused_in_one_line(tmp_path: Path, old: s
         system_contract(changed(tmp_path, old, new))
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_table_extends_one_of_railhil_by_its_own_ports() -> None:
+    whole, base = system_contract(place_of("dbc") / "line.toml"), wire_contract()
+    assert [port for port in whole.ports if port in base.ports] == list(base.ports)
+    assert {port.name for port in own_ports(whole, base)} >= {"DOOR_CMD", "ATP_STAT"}
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("nothing.toml", "extends: found 'nothing.toml', allowed a port table of railhil: "),
+        ("house.toml", "extends: found 'house.toml', allowed a port table of railhil: "),
+        ("../dbc/ports.toml", "extends: found '../dbc/ports.toml', allowed a port table of railhil: "),
+        ("line.toml", "extends: found 'line.toml', which extends another table"),
+        ("ports.toml", "TIME_SYNC.name: found a port of ports.toml"),
+    ],
+)
+def test_a_table_that_cannot_be_extended_is_refused_in_one_line(tmp_path: Path, name: str, said: str) -> None:
+    path = tmp_path / "own.toml"
+    port = table_text(house_contract()).partition("[[port]]")[2].partition("[[port]]")[0]
+    own = port.replace("TIME_SYNC", "TRN_SPEED") if name == "ports.toml" else port
+    path.write_text(f'extends = "{name}"\n\n[[port]]\n{own}', encoding="utf-8")
+    with pytest.raises(ContractError) as caught:
+        system_contract(path)
+    assert said.replace("TIME_SYNC", "TRN_SPEED") in str(caught.value)

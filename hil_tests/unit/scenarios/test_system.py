@@ -106,7 +106,7 @@ def test_parts_as_version_0_1_0_gives_them() -> None:
 def test_a_port_table_that_is_not_there() -> None:
     with pytest.raises(InputError, match="package:file"):
         assert NO_PORTS.contract
-    assert systems.names() == ["ato", "emu3", "hst1", "stop"]
+    assert systems.names() == ["ato", "emu3", "hst1", "line", "stop"]
 
 
 def test_a_reader_of_scenarios_of_version_0_1_0_is_told_the_new_name() -> None:

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.schedule import Schedule
-from railhil.dbc import wire_contract
 from railhil.judge.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.record.trace import FloatArray
 from railhil.systems.ato.judge import measures
@@ -56,7 +55,7 @@ class Journey:
 def _samples(scenario: Scenario) -> float:
     """Time between two SIM_TRUTH telegrams in s."""
     timing = scenario.timing
-    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, wire_contract())
+    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, scenario.installed_system.contract)
     return schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import dataclasses
 import json
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
@@ -31,6 +31,9 @@ _ALLOWED = "a scenario that railhil has written"
 class TrainScenarios:
     """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
 
+    #: Class of the scenarios; a system whose runs are longer has a subclass.
+    scenario_type: ClassVar[type[Scenario]] = Scenario
+
     def __init__(self, system: System) -> None:
         self._system = system
 
@@ -46,7 +49,7 @@ class TrainScenarios:
         return document(scenario)
 
     def restore(self, fields: dict[str, Any], file: Path) -> Scenario:
-        scenario = scenario_of(fields, file)
+        scenario = scenario_of(fields, file, self.scenario_type)
         return replace(scenario, sha256=scenario_sha256(scenario))
 
     def judged_sha256(self, scenario: Scenario) -> str:
@@ -67,9 +70,8 @@ class TrainScenarios:
         return ScenarioFile
 
 
-@cache
-def _adapter() -> TypeAdapter[Scenario]:
-    return TypeAdapter(Scenario)
+#: By class of the scenario, made at first use.
+_ADAPTERS: dict[type[Any], TypeAdapter[Scenario]] = {}
 
 
 def document(scenario: Scenario) -> dict[str, Any]:
@@ -77,14 +79,16 @@ def document(scenario: Scenario) -> dict[str, Any]:
     return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
 
 
-def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
+def scenario_of(fields: dict[str, Any], file: Path, kind: type[Any] = Scenario) -> Scenario:
     """The scenario of a document; fields added after it was written have their defaults.
 
     :param file: for the error message.
+    :param kind: class of the scenario.
     :raises InputError: a field is missing, unknown or of another kind.
     """
+    adapter = _ADAPTERS.get(kind) or _ADAPTERS.setdefault(kind, TypeAdapter(kind))
     try:
-        scenario = _adapter().validate_json(
+        scenario = adapter.validate_json(
             json.dumps(fields | {"published": _split_published(fields.get("published", []))})
         )
     except ValidationError as error:

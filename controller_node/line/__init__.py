@@ -1,0 +1,1 @@
+"""The controller on a line with stations: station automaton, and a law for each section."""

@@ -1,0 +1,1 @@
+"""Judging of a run over a line: stations, timetable, train protection, scores."""

@@ -1,0 +1,1 @@
+"""Scenarios of the system ``line``: route, stations, timetable, train protection."""
