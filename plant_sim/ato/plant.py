@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import inf, isfinite, sqrt
-from typing import Final, Literal
+from typing import Final, TypeAlias
 
 from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.any_plant import PlantError
@@ -18,10 +18,11 @@ from railhil.plant_sim.ato.plant_readings import AxleSensors, PlantReadings, Tra
 from railhil.plant_sim.ato.train_checks import OwnChecks
 from railhil.plant_sim.ato.train_watch import TrainWatch
 from railhil.scenarios.profiles import Profile, find_lowest, profile_value
-from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M, Balise, Scenario
+from railhil.systems.ato.scenario.model import STOP_LEG_MIN_M, Balise, Line, Scenario
 from railhil.wire.ato import WatchCause, WatchLevel
 
-EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
+#: One of those of :class:`PlantEvent`; a plant that is made of this one may have more.
+EventKind: TypeAlias = str
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +82,14 @@ class Plant(PlantReadings):
         self.events: list[PlantEvent] = []
         self._train = train
         self._constants = force_tables.train_constants(train)
-        self._grades = force_tables.grade_table(scenario.line.grade_permil, train.length_m)
         self._step_s = timing.base_tick_ns * 1e-9
         self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
         self._motion = dynamics.AT_REST
         #: The train one step later; another plant may have its own.
         self._moved = dynamics.step
         self._departed = False
+        #: Where the train has stood since it last began to move.
+        self._stood_m = 0.0
         self._leg_from_m = 0.0
 
         self._notch_max_code = round(train.notch_max * NOTCH_LSB_PER_NOTCH)
@@ -106,8 +108,7 @@ class Plant(PlantReadings):
         self._window = Window(False, train.service_braking_mps2 * train.inertial_mass_kg)
         self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
         self._applied = 0.0
-        self._front_limit = find_lowest(scenario.line.speed_limit_mps, train.length_m, train.speed_limit_mps)
-        self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
+        self._enter(scenario.line)
 
         self._sensors = AxleSensors(scenario.sensors, seed)
         self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
@@ -132,6 +133,13 @@ class Plant(PlantReadings):
     def suspect(self, cause: WatchCause) -> None:
         """Take the gate's finding in a NOTCH_CMD of the current tick; the strongest of several counts."""
         self._watch.suspect(cause)
+
+    def _enter(self, line: Line) -> None:
+        """Take the profiles of a line for the train where it is now."""
+        train = self._train
+        self._grades = force_tables.grade_table(line.grade_permil, train.length_m)
+        self._front_limit = find_lowest(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
+        self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, self._motion.position_m)
 
     # -- time -----------------------------------------------------------------------------------------------------
 
@@ -216,9 +224,9 @@ class Plant(PlantReadings):
         )
         self._motion = motion
         position_m = motion.position_m
-        if not self._departed and position_m > 0.0:
+        if not self._departed and position_m > self._stood_m:
             self._departed = True
-            self._event("departed", (from_tick - self.tick) * self._step_s + moving_from_s, before.position_m)
+            self._start((from_tick - self.tick) * self._step_s + moving_from_s, before.position_m)
         while self._balises and self._balises[0].true_m <= position_m:
             passed_s = passing_s(before, motion, self._balises[0].true_m, moving_to_s - moving_from_s)
             self._pass_balise(
@@ -226,9 +234,18 @@ class Plant(PlantReadings):
             )
         # The speed decides, not the distance: far from 0, the floating-point position of a creeping train no longer
         # changes in a step.
-        if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= STOP_LEG_MIN_M:
+        if motion.speed_mps <= 0.0 < before.speed_mps:
+            self._stand((from_tick - self.tick) * self._step_s + moving_to_s, position_m)
+
+    def _start(self, after_s: float, position_m: float) -> None:
+        """Note the first motion, ``after_s`` after the current tick."""
+        self._event("departed", after_s, position_m)
+
+    def _stand(self, after_s: float, position_m: float) -> None:
+        """Note a standstill."""
+        if position_m - self._leg_from_m >= STOP_LEG_MIN_M:
             self._leg_from_m = position_m
-            self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
+            self._event("stopped", after_s, position_m)
 
     def _event(
         self,

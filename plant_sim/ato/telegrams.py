@@ -43,8 +43,13 @@ class TrainTelegrams:
         self._scenario = scenario
         self._plant = plant
         self._target = Target(scenario.target)
+        #: The target's time begins at this tick.
+        self._target_start_tick = 0
         self._target_half_mps: list[int] = []
         self._target_from_tick = 0
+        #: Limits of the line; place (mm) and time (0.1 s) of the next stop.
+        self._limits = scenario.line.speed_limit_mps
+        self._aim = rounded(scenario.plan.distance_m * 1000), rounded(scenario.plan.running_time_s * 10)
         self._rate_10th = rate_to_10th(rate)
         self._speed_max = _highest(TrnSpeed, "speed_01mmps")
         # "That far or farther".
@@ -121,14 +126,14 @@ class TrainTelegrams:
         )
 
     def _track(self) -> TrkInfo:
-        plan, limits = self._scenario.plan, self._scenario.line.speed_limit_mps
+        limits, aim = self._limits, self._aim
         front_m = self._plant.position_01mm / 1e4
         here = _limit_under_train(limits, front_m, self._scenario.train.length_m)
         following = next(((at_m, limit) for at_m, limit in limits if at_m > front_m), None)
         next_at_m, next_limit = following or (front_m, here)
         return TrkInfo(
-            target_mm=rounded(plan.distance_m * 1000),
-            target_time_ds=rounded(plan.running_time_s * 10),
+            target_mm=aim[0],
+            target_time_ds=aim[1],
             speed_limit_4mmps=rounded(here * 250),
             next_limit_4mmps=rounded(next_limit * 250),
             next_limit_distance_m=min(max(rounded(next_at_m - front_m), 0), self._distance_max),
@@ -140,7 +145,7 @@ class TrainTelegrams:
     def _target_speed_half_mps(self) -> int:
         tick = self._plant.tick
         if not 0 <= tick - self._target_from_tick < len(self._target_half_mps):
-            ticks = np.arange(tick, tick + _TARGET_TICKS, dtype=np.int64)
+            ticks = np.arange(tick, tick + _TARGET_TICKS, dtype=np.int64) - self._target_start_tick
             speed_mps = self._target.speed_mps(ticks * self._scenario.timing.base_tick_ns / 1e9)
             self._target_half_mps = [max(rounded(2 * value), 0) for value in speed_mps.tolist()]
             self._target_from_tick = tick

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from railhil.bus.codes import Event
@@ -26,7 +26,7 @@ class TrainOnBus(Plant):
     :param rate: pace of the run, simulated seconds per wall second; 0: lockstep.
     """
 
-    statuses = (CtlStat.PORT,)
+    statuses: Sequence[str] = (CtlStat.PORT,)
 
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
         actual = perturb(scenario, seed) if drawn else scenario

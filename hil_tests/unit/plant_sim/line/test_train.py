@@ -1,0 +1,225 @@
+"""The train on a line of four stops: its stops, doors, departures and the end of its run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hil_tests.support.lines import STOPS, Driver, four_stops
+from railhil.bus.codes import Event
+from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE
+from railhil.plant_sim.line.train import LineTrain
+from railhil.systems.line.scenario.model import RouteSignal
+from railhil.wire.ato import TrkInfo
+from railhil.wire.line import DoorOrder, DoorStat, SignalAspect, StnInfo
+
+
+def begun(seed: int = 0, **line: object) -> Driver:
+    scenario = four_stops(**line)
+    return Driver(LineTrain(scenario, seed), scenario)
+
+
+def ended(driver: Driver) -> Event | None:
+    """The event that ends the run, as the tick loop asks for it."""
+    train = driver.train
+    return train.ending.reached(train.tick, False) if train.tick >= train.ending.due_tick else None
+
+
+def at_stop(driver: Driver) -> bool:
+    """Whether the train stands at its second stop."""
+    return driver.train.station_here == 1
+
+
+def station(driver: Driver) -> StnInfo:
+    found = driver.train.makers[StnInfo.PORT]()
+    assert isinstance(found, StnInfo)
+    return found
+
+
+def doors(driver: Driver) -> DoorStat:
+    found = driver.train.makers[DoorStat.PORT]()
+    assert isinstance(found, DoorStat)
+    return found
+
+
+def test_a_train_serves_its_stops_and_the_run_ends_with_open_doors() -> None:
+    driver = begun()
+    driver.run(lambda: ended(driver) is not None)
+    assert ended(driver) is Event.ENDED_COMPLETE
+    assert driver.kinds() == [
+        *("departure", "departed", "stopped", "arrived", "doors_open", "doors_locked"),
+        *("departure", "passed", "stopped", "arrived", "doors_open"),
+    ]
+    opened = driver.events[-1]
+    assert opened.kind == "doors_open"
+    assert driver.train.tick * 100 == opened.instant_01ms + 10_000
+    assert [event.balise.number for event in driver.events if event.balise] == list(range(1, 11))
+
+
+def test_events_of_a_line_are_in_the_order_of_their_instants() -> None:
+    driver = begun()
+    driver.run(lambda: ended(driver) is not None)
+    instants = [event.instant_01ms for event in driver.events]
+    assert instants == sorted(instants)
+
+
+def test_a_passed_stop_is_reported_at_its_place() -> None:
+    driver = begun()
+    driver.run(lambda: "passed" in driver.kinds())
+    assert driver.events[-1].position_01mm == 23_000_000
+    assert station(driver).station_next == 4
+
+
+def test_station_information_follows_the_train() -> None:
+    driver = begun()
+    first = station(driver)
+    assert (first.station_here, first.station_next, first.section, first.next_stop_mm) == (1, 2, 0, 0)
+    assert first.due_departure_ds == 50
+    driver.run(lambda: not driver.train.is_standing)
+    under_way = station(driver)
+    assert (under_way.station_here, under_way.station_next, under_way.section) == (0, 2, 1)
+    assert (under_way.next_stop_mm, under_way.due_arrival_ds) == (1_200_000, 1370)
+    track = driver.train.makers[TrkInfo.PORT]()
+    assert isinstance(track, TrkInfo)
+    assert (track.target_mm, track.target_time_ds) == (1_200_000, 1370)
+    driver.run(lambda: at_stop(driver))
+    there = station(driver)
+    assert (there.station_here, there.station_next, there.section, there.due_departure_ds) == (2, 3, 1, 1670)
+
+
+def test_the_dwell_counts_down_from_open_doors() -> None:
+    driver = begun()
+    driver.run(lambda: at_stop(driver))
+    whole = doors(driver).dwell_left_ds
+    # The least dwell of 20 s, less the times of opening, warning and closing.
+    assert whole == 122
+    driver.run(lambda: "doors_open" in driver.kinds())
+    assert doors(driver).dwell_left_ds == whole
+    ticks = driver.train.tick + 700
+    driver.run(lambda: driver.train.tick == ticks)
+    assert doors(driver).dwell_left_ds == whole - 70
+
+
+def test_a_dwell_is_drawn_with_the_seed() -> None:
+    def drawn(seed: int) -> int:
+        driver = begun(seed, disturbance_s=8.0)
+        driver.run(lambda: at_stop(driver))
+        return doors(driver).dwell_left_ds
+
+    left = {drawn(seed) for seed in range(3)}
+    assert len(left) == 3
+    assert all(122 <= value <= 202 for value in left)
+
+
+@pytest.mark.parametrize(
+    ("order", "number"),
+    [(DoorOrder.OPEN_RIGHT, 2), (DoorOrder.OPEN_BOTH, 2), (DoorOrder.OPEN_LEFT, 1), (DoorOrder.OPEN_LEFT, 4)],
+)
+def test_doors_stay_shut_for_the_wrong_side_or_station(order: DoorOrder, number: int) -> None:
+    driver = begun()
+    driver.run(lambda: at_stop(driver))
+    driver.orders = lambda: {"order": order, "station": number, "hold_brake": FLAG_TRUE}  # type: ignore[method-assign]
+    ticks = driver.train.tick + 300
+    driver.run(lambda: driver.train.tick == ticks)
+    assert driver.kinds().count("door_refused") == 1
+    assert driver.train.doors.are_locked
+
+
+def test_doors_stay_shut_under_way() -> None:
+    driver = begun()
+    driver.run(lambda: driver.train.true_speed_01mmps > 100_000)
+    driver.orders = lambda: {"order": DoorOrder.OPEN_LEFT, "station": 2}  # type: ignore[method-assign]
+    ticks = driver.train.tick + 300
+    driver.run(lambda: driver.train.tick == ticks)
+    assert driver.kinds().count("door_refused") == 1
+    assert driver.train.doors.are_locked
+
+
+def test_open_doors_cut_traction_and_hold_the_train() -> None:
+    driver = begun()
+    driver.run(lambda: "doors_open" in driver.kinds())
+    driver.notch = lambda: 7.0  # type: ignore[method-assign]
+    driver.orders = lambda: {"hold_brake": FLAG_FALSE, "station": 2}  # type: ignore[method-assign]
+    place, ticks = driver.train.position_01mm, driver.train.tick + 1000
+    driver.run(lambda: driver.train.tick == ticks)
+    assert driver.train.position_01mm == place
+    assert driver.train.traction_n == 0.0
+    assert not driver.train.status.traction_enabled
+
+
+def test_a_train_leaves_with_permission_only() -> None:
+    driver = begun()
+    driver.run(lambda: "doors_open" in driver.kinds())
+    departing = {"depart_ready": FLAG_TRUE, "station": 2, "hold_brake": FLAG_TRUE}
+    driver.orders = lambda: departing  # type: ignore[method-assign]
+    ticks = driver.train.tick + 300
+    driver.run(lambda: driver.train.tick == ticks)
+    assert driver.kinds().count("door_refused") == 1
+    assert driver.train.journey.section == 0
+
+
+def test_a_red_signal_keeps_the_permission_back() -> None:
+    driver = begun(signals=(RouteSignal(1300.0, 200.0),))
+    driver.run(lambda: driver.train.tick == 17_500)
+    assert station(driver).depart_permit == FLAG_FALSE
+    assert station(driver).signal_next == SignalAspect.RED
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+    assert 20_000 <= driver.train.tick <= 20_051
+
+
+def test_a_stop_without_open_doors_is_missed() -> None:
+    beyond = (STOPS[0], replace(STOPS[1], position_m=1190.0), *STOPS[2:])
+    driver = begun(stops=beyond)
+    driver.aim_m = 1200.0
+    driver.run(lambda: driver.aim_m > 0.0 and not driver.train.is_standing)
+    driver.aim_m = 1200.0
+    driver.run(lambda: ended(driver) is not None)
+    assert driver.kinds()[:6] == ["departure", "departed", "stopped", "arrived", "missed", "departure"]
+    assert ended(driver) is Event.ENDED_COMPLETE
+
+
+def test_a_train_short_of_its_stop_creeps_to_it() -> None:
+    driver = begun()
+    driver.run(lambda: not driver.train.is_standing)
+    driver.aim_m = 1197.0
+    driver.run(lambda: at_stop(driver))
+    driver.aim_m = 1200.0
+    driver.run(lambda: "doors_open" in driver.kinds())
+    assert driver.kinds()[-5:] in (
+        ["stopped", "arrived", "jog", "stopped", "doors_open"],
+        ["arrived", "jog", "stopped", "jog", "doors_open"],
+    )
+
+
+def test_a_train_that_stands_far_short_counts_as_arrived_after_ten_seconds() -> None:
+    driver = begun()
+    driver.run(lambda: not driver.train.is_standing)
+    driver.aim_m = 1150.0
+    driver.run(lambda: driver.train.is_standing)
+    driver.orders = lambda: {"hold_brake": FLAG_TRUE}  # type: ignore[method-assign]
+    driver.notch = lambda: 0.0  # type: ignore[method-assign]
+    stood = driver.train.tick
+    driver.run(lambda: at_stop(driver))
+    assert 1000 <= driver.train.tick - stood <= 1011
+
+
+def test_the_holding_brake_keeps_a_train_on_a_grade_until_traction_exceeds_it() -> None:
+    driver = begun()
+    driver.run(lambda: "departed" in driver.kinds())
+    # A train that has just begun to move had a traction above its resistance.
+    assert driver.train.traction_n > 0.0
+    driver = begun()
+    driver.notch = lambda: 0.0  # type: ignore[method-assign]
+    driver.run(lambda: driver.train.tick == 2000)
+    assert driver.train.position_01mm == 0
+    assert driver.train.holding.is_applied
+
+
+def test_a_run_without_its_terminal_ends_after_the_overtime() -> None:
+    driver = begun()
+    driver.heeds_due = True
+    driver.notch = lambda: 0.0  # type: ignore[method-assign]
+    driver.run(lambda: ended(driver) is not None)
+    assert ended(driver) is Event.ENDED_NOT_STOPPED
+    assert driver.train.tick == 64_001

@@ -1,0 +1,98 @@
+"""Makes the telegrams of a train on a line: those of ``ato``, and those of doors, stations and train protection."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import TYPE_CHECKING, Final
+
+from railhil.bus.layout import flag
+from railhil.common.floats import rounded
+from railhil.plant_sim.ato.telegrams import TrainTelegrams
+from railhil.plant_sim.line.doors import SIDES
+from railhil.systems.ato.scenario.target import Target
+from railhil.systems.line.scenario.model import LineScenario, StationStop
+from railhil.wire.line import AtpLim, AtpStat, DoorStat, Service, StnInfo
+
+if TYPE_CHECKING:
+    from railhil.plant_sim.line.train import LineTrain
+
+_UINT16_MAX: Final = 0xFFFF
+_UINT8_MAX: Final = 0xFF
+_SERVICES: Final = {"pass": int(Service.PASS), "stop": int(Service.STOP), "terminal": int(Service.TERMINAL)}
+
+
+class LineTelegrams(TrainTelegrams):
+    """Adds DOOR_STAT, STN_INFO, ATP_LIM and ATP_STAT; target and limits of TRK_INFO are those of the section."""
+
+    def __init__(self, scenario: LineScenario, train: LineTrain, rate: float) -> None:
+        super().__init__(scenario, train, rate)
+        self._line = scenario
+        self._train = train
+        self._aim = rounded(scenario.stops[0].position_m * 1000), 0
+        self.makers |= {
+            DoorStat.PORT: self._doors,
+            StnInfo.PORT: self._station,
+            AtpLim.PORT: self._protection_limit,
+            AtpStat.PORT: self._protection,
+        }
+
+    def begin_section(self) -> None:
+        """Take target, limits and stop of the section that the train begins."""
+        journey = self._train.journey
+        self._target = Target(self._line.sections[journey.section].target)
+        self._target_start_tick = journey.departure_tick
+        self._target_half_mps = []
+        self._limits = self._line.legs[journey.leg].speed_limit_mps
+        self._aim = rounded(journey.stop.position_m * 1000), _to_ds(journey.stop.arrive_s)
+
+    def _target_speed_half_mps(self) -> int:
+        return 0 if self._train.journey.has_arrived else super()._target_speed_half_mps()
+
+    def _doors(self) -> DoorStat:
+        train = self._train
+        doors, journey = train.doors, train.journey
+        return DoorStat(
+            left_state=doors.left.state,
+            right_state=doors.right.state,
+            doors_locked=flag(doors.are_train_doors_locked),
+            psd_state=doors.psd.state,
+            psd_locked=flag(doors.is_psd_locked),
+            psd_present=int(doors.has_psd),
+            in_window=flag(train.docking.is_in_window),
+            obstructions=min(doors.obstructions, _UINT8_MAX),
+            dwell_left_ds=min(ceil(round(journey.dwell_left_s(train.tick) * 10, 6)), _UINT16_MAX),
+            reopened=min(doors.reopened, _UINT8_MAX),
+            side_permitted=train.sides_permitted,
+            life=next(self._lives[DoorStat.PORT]),
+        )
+
+    def _station(self) -> StnInfo:
+        train = self._train
+        journey, tick = train.journey, train.tick
+        position_m = train.position_01mm / 1e4
+        stop: StationStop = journey.stop
+        here = train.station_here
+        return StnInfo(
+            station_here=0 if here is None else here + 1,
+            station_next=0 if journey.next_stop is None else journey.next_stop + 1,
+            section=journey.section + 1,
+            leg=journey.leg,
+            service_next=_SERVICES[stop.service],
+            depart_permit=flag(train.is_departure_permitted),
+            signal_next=journey.signal_aspect(position_m, tick),
+            due_arrival_ds=_to_ds(stop.arrive_s),
+            platform_side=SIDES[stop.platform],
+            due_departure_ds=_to_ds(stop.depart_s),
+            next_stop_mm=rounded(stop.position_m * 1000),
+            life=next(self._lives[StnInfo.PORT]),
+        )
+
+    def _protection_limit(self) -> AtpLim:
+        return AtpLim(life=next(self._lives[AtpLim.PORT]))
+
+    def _protection(self) -> AtpStat:
+        return AtpStat(life=next(self._lives[AtpStat.PORT]))
+
+
+def _to_ds(time_s: float | None) -> int:
+    return 0 if time_s is None else rounded(time_s * 10)
