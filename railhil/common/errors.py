@@ -196,3 +196,18 @@ class Words:
 
     def __str__(self) -> str:
         return self.words
+
+
+class Finding:
+    """A finding in words that stands in place of a value: ``found 1 stop, allowed at least 2``."""
+
+    def __init__(self, words: str) -> None:
+        self.words = words
+
+    def __repr__(self) -> str:
+        return self.words
+
+
+def short_number(value: float) -> float:
+    """A number for a message: a whole number without decimals, any other with six at most."""
+    return int(value) if float(value).is_integer() else round(value, 6)

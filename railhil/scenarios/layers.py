@@ -21,6 +21,7 @@ from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
 from railhil.scenarios.settings import FOREIGN, SET, layer
 from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import Keys, join_keys
 
 if TYPE_CHECKING:
     from railhil.scenarios.system import System
@@ -123,6 +124,14 @@ class Layers:
         if deepest == 0:
             return self.main
         return self._stack[len(depths) - 1 - depths[::-1].index(deepest)][0]
+
+    def refer(self, keys: Keys, value: object, folder: Path) -> Path:
+        """The file that a key names: a shipped name, or a path relative to the file that gives the key.
+
+        :param folder: of the shipped files.
+        :raises InputError: there is no such file.
+        """
+        return self._reference(self.origin(*keys), join_keys(keys), value, folder)
 
     def place(self, *keys: str) -> int:
         """Place of the highest file that gives a key, 0 for the highest of all; 0 also if none gives it."""
@@ -329,7 +338,7 @@ def _depth(table: Any, keys: tuple[str | int, ...]) -> int:
     return len(keys)
 
 
-S = TypeVar("S", "Scenario", "TaskScenario")
+S = TypeVar("S", bound="Scenario | TaskScenario")
 _SHOWN_MAX = 6
 
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import lru_cache
+from typing import cast
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.scenarios.load import load, names
+from railhil.scenarios.load import load, load_any, names
 from railhil.systems.ato.scenario.envelope import CurveError
-from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s
-from railhil.systems.ato.scenario.model import Balise, Line, Scenario, TargetCurve
+from railhil.systems.ato.scenario.model import Scenario, TargetCurve
 from railhil.systems.ato.scenario.target import Target
-from railhil.systems.line.scenario.model import LinePerturbations, LineScenario, Route, Section, StationStop
+from railhil.systems.line.scenario.model import LineScenario, Route
 from railhil.systems.line.scenario.sections import (
     choose_running_time,
     fit_target,
@@ -32,45 +32,13 @@ def single(number: int) -> Scenario:
 
 
 @lru_cache
-def two_sections() -> LineScenario:
-    """The fifth and sixth single run of Yizhuang as one line, departures at 30 s and 154 s."""
-    first, second = single(5), single(6)
-    way_m = first.plan.distance_m
-
-    def join(name: str) -> tuple[tuple[float, float], ...]:
-        rows: tuple[tuple[float, float], ...] = getattr(first.line, name)
-        behind = [(at_m + way_m, value) for at_m, value in getattr(second.line, name) if at_m > 0]
-        return (*rows, *((at_m, value) for at_m, value in behind if at_m > rows[-1][0]))
-
-    balises = tuple(
-        Balise(balise.number, balise.surveyed_m + way_m, balise.true_m + way_m) for balise in second.line.balises[1:]
-    )
-    leg = Line("Yizhuang line", join("grade_permil"), join("speed_limit_mps"), first.line.balises + balises)
-    stops = (
-        StationStop("Yizhuang Qiao", 0.0, depart_s=30.0),
-        StationStop("Yizhuang Wenhuayuan", way_m, arrive_s=124.0, depart_s=154.0),
-        StationStop("Wanyuan Jie", way_m + second.plan.distance_m, service="terminal", arrive_s=275.0),
-    )
-    sections = tuple(
-        Section(
-            place,
-            place + 1,
-            0,
-            one.plan.running_time_s,
-            fastest_time_s(one.line, one.train, one.plan.distance_m, CurveLimits()),
-            one.target,
-        )
-        for place, one in enumerate((first, second))
-    )
-    common = {item.name: getattr(first, item.name) for item in fields(Scenario)}
-    given = {item.name: getattr(first.perturbations, item.name) for item in fields(first.perturbations)}
-    common |= {"system": "line", "line": leg, "perturbations": LinePerturbations(**given)}
-    return LineScenario(**common, legs=(leg,), stops=stops, sections=sections)
+def yizhuang() -> LineScenario:
+    return cast("LineScenario", load_any("yizhuang_out"))
 
 
-@pytest.mark.parametrize("index", [0, 1])
+@pytest.mark.parametrize("index", range(13))
 def test_a_section_equals_the_single_run_on_it(index: int) -> None:
-    section, run = section_scenario(two_sections(), index), single(5 + index)
+    section, run = section_scenario(yizhuang(), index), single(1 + index)
     assert section.line == run.line
     assert (section.train, section.target, section.timing) == (run.train, run.target, run.timing)
     assert (section.plan.distance_m, section.plan.running_time_s) == (run.plan.distance_m, run.plan.running_time_s)
@@ -80,20 +48,20 @@ def test_a_section_equals_the_single_run_on_it(index: int) -> None:
 
 
 def test_an_undisturbed_departure_uses_the_curve_of_the_timetable() -> None:
-    line = two_sections()
-    name, running_time_s, curve = choose_running_time(line, 0, 30.0)
+    line = yizhuang()
+    name, running_time_s, curve = choose_running_time(line, 4, 748.0)
     assert (name, running_time_s, curve) == ("timetable", 94.0, None)
-    assert make_target(line, 0, 94.0, 993.0) is line.sections[0].target
+    assert make_target(line, 4, 94.0, 993.0) is line.sections[4].target
 
 
 @settings(max_examples=40, deadline=None)
 @given(
-    late_s=st.floats(-20.0, 4.0).map(lambda value: round(value * 2) / 2),
+    late_s=st.floats(-5.0, 4.0).map(lambda value: round(value * 2) / 2),
     short_m=st.floats(-5.0, 5.0),
-    index=st.integers(0, 1),
+    index=st.integers(0, 12),
 )
 def test_a_target_stops_at_the_place_and_time_that_are_asked_for(late_s: float, short_m: float, index: int) -> None:
-    line = two_sections()
+    line = yizhuang()
     section = line.sections[index]
     way_m = line.stops[section.arrival].position_m - line.stops[section.departure].position_m + short_m
     made = Target(make_target(line, index, section.running_time_s - late_s, way_m))
@@ -112,55 +80,56 @@ def test_a_fitted_curve_is_as_fast_as_its_ratios_say(k: float, s: float) -> None
 
 
 def test_a_curve_that_would_become_too_fast_is_generated_again() -> None:
-    line = two_sections()
+    line = yizhuang()
     way_m = 993.0 + 20.0
-    made = make_target(line, 0, 94.0, way_m)
-    times_s = [time_s for time_s, _ in line.sections[0].target.nodes]
+    made = make_target(line, 4, 94.0, way_m)
+    times_s = [time_s for time_s, _ in line.sections[4].target.nodes]
     assert [time_s for time_s, _ in made.nodes] != pytest.approx(times_s)
     assert Target(made).stop_position_m == pytest.approx(way_m, abs=1e-6)
 
 
 def test_a_running_time_below_the_fastest_is_an_error() -> None:
     with pytest.raises(CurveError, match="shorter than the fastest"):
-        make_target(two_sections(), 0, 60.0, 993.0)
+        make_target(yizhuang(), 4, 60.0, 993.0)
 
 
 @pytest.mark.parametrize(
     ("departure_s", "expected_s"),
-    [(30.0, 94.0), (33.5, 90.5), (60.0, None), (10.0, 114.0), (-20.0, 1.3 * 94.0)],
+    [(748.0, 94.0), (751.5, 90.5), (800.0, None), (728.0, 114.0), (700.0, 1.3 * 94.0)],
     ids=["on time", "late", "later than the fastest makes good", "early", "much too early"],
 )
 def test_the_running_time_is_the_time_left_between_fastest_and_slowest(
     departure_s: float, expected_s: float | None
 ) -> None:
-    line = two_sections()
-    _, running_time_s, _ = choose_running_time(line, 0, departure_s)
-    assert running_time_s == (line.sections[0].fastest_s if expected_s is None else expected_s)
+    line = yizhuang()
+    _, running_time_s, _ = choose_running_time(line, 4, departure_s)
+    assert running_time_s == (line.sections[4].fastest_s if expected_s is None else expected_s)
 
 
 @pytest.mark.parametrize(
     ("departure_s", "profile", "running_time_s"),
-    [(30.0, "normal", 94.0), (34.0, "fast", 90.0), (50.0, "fast", 89.5), (20.0, "economy", 104.0)],
+    [(748.0, "normal", 94.0), (752.0, "fast", 90.0), (780.0, "fast", 89.5), (738.0, "economy", 104.0)],
 )
 def test_regulation_by_profiles_takes_the_slowest_that_is_fast_enough(
     departure_s: float, profile: str, running_time_s: float
 ) -> None:
-    line = two_sections()
-    curves = tuple(make_target(line, 0, time_s, 993.0) for time_s in (89.5, 94.0, 100.0))
-    section = replace(line.sections[0], profiles=curves, fastest_s=89.5)
-    line = replace(line, sections=(section, line.sections[1]), route=Route(regulation="profiles"))
-    name, found_s, curve = choose_running_time(line, 0, departure_s)
+    line = yizhuang()
+    curves = tuple(make_target(line, 4, time_s, 993.0) for time_s in (89.5, 94.0, 100.0))
+    section = replace(line.sections[4], profiles=curves, fastest_s=89.5)
+    sections = (*line.sections[:4], section, *line.sections[5:])
+    line = replace(line, sections=sections, route=Route(regulation="profiles"))
+    name, found_s, curve = choose_running_time(line, 4, departure_s)
     assert name == profile
     assert found_s == pytest.approx(running_time_s, abs=1e-7)
     assert curve is not None
-    assert Target(make_target(line, 0, found_s, 993.1, curve)).stop_position_m == pytest.approx(993.1, abs=1e-6)
+    assert Target(make_target(line, 4, found_s, 993.1, curve)).stop_position_m == pytest.approx(993.1, abs=1e-6)
 
 
 def test_without_regulation_the_timetable_decides() -> None:
-    line = replace(two_sections(), route=Route(regulation="none"))
-    assert choose_running_time(line, 0, 50.0) == ("timetable", 94.0, line.sections[0].target)
+    line = replace(yizhuang(), route=Route(regulation="none"))
+    assert choose_running_time(line, 4, 780.0) == ("timetable", 94.0, line.sections[4].target)
 
 
 def test_a_section_sees_the_profiles_under_the_standing_train() -> None:
-    line = two_sections()
+    line = yizhuang()
     assert section_line(line, 1).grade_permil[0][0] <= -118.0 + 1e-9

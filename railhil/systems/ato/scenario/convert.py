@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from railhil.common.errors import Words
-from railhil.scenarios.validation import Refuse
+from railhil.scenarios.validation import Keys, Refuse
 from railhil.systems.ato.scenario import model, schema
 from railhil.systems.ato.scenario.generate import CurveLimits
 from railhil.systems.ato.scenario.importers import railtoolkit, ttobench
@@ -77,13 +77,11 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunL
 
     Raises :class:`InputError` for contradictory or missing sources and for unknown stops.
     """
-    whole = _whole_line(table, train_length_m, refuse)
-    if table.stops:
-        whole = replace(whole, stops=tuple(Stop(stop.name, stop.position_m) for stop in table.stops))
+    whole = whole_line(table, train_length_m, refuse)
     if table.from_stop is None and table.to_stop is None:
         return RunLine(whole.line, None, _remarks(whole, 0.0))
     here, there = (
-        _find_stop(whole, key, choice, refuse)
+        find_stop(whole, ("line", key), choice, refuse)
         for key, choice in (("from_stop", table.from_stop), ("to_stop", table.to_stop))
     )
     if whole.stops[there].position_m <= whole.stops[here].position_m:
@@ -97,20 +95,28 @@ def _remarks(whole: StopLine, start_m: float) -> tuple[str, ...]:
     return tuple(f"line: {remark}" for remark in (*whole.remarks, *list_begins(whole.line, start_m)))
 
 
-def _find_stop(whole: StopLine, key: str, choice: str | int | None, refuse: Refuse) -> int:
+def find_stop(whole: StopLine, keys: Keys, choice: str | int | None, refuse: Refuse) -> int:
+    """Index of the stop that a key names.
+
+    Raises :class:`InputError` unless there is exactly one such stop.
+    """
     names = [stop.name for stop in whole.stops]
     if isinstance(choice, int) and 0 <= choice < len(names):
         return choice
     if isinstance(choice, str) and names.count(choice) > 1:
         numbers = ", ".join(str(number) for number, name in enumerate(names) if name == choice)
-        raise refuse(("line", key), Words(f"{choice} is the name of several stops"), f"one of their numbers {numbers}")
+        raise refuse(keys, Words(f"{choice} is the name of several stops"), f"one of their numbers {numbers}")
     if isinstance(choice, str) and choice in names:
         return names.index(choice)
     allowed = ", ".join(names) if names else "no stop: the line has none"
-    raise refuse(("line", key), Words() if choice is None else choice, f"one of {allowed}")
+    raise refuse(keys, Words() if choice is None else choice, f"one of {allowed}")
 
 
-def _whole_line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> StopLine:
+def whole_line(table: schema.TrackTable, train_length_m: float, refuse: Refuse) -> StopLine:
+    """The whole line with its stops: those of the table, otherwise those of its file.
+
+    Raises :class:`InputError` for contradictory or missing sources.
+    """
     own = table.grade_permil is not None or table.speed_limit_kmh is not None
     sources = [
         word
@@ -150,7 +156,8 @@ def _whole_line(table: schema.LineTable, train_length_m: float, refuse: Refuse) 
         found = StopLine(model.Line(table.name, tuple(table.grade_permil), limits), ())
     lines = found.line
     named = model.Line(table.name or lines.name, lines.grade_permil, lines.speed_limit_mps, balises or lines.balises)
-    return replace(found, line=named)
+    stops = tuple(Stop(stop.name, stop.position_m) for stop in table.stops)
+    return replace(found, line=named, stops=stops or found.stops)
 
 
 def plan(table: schema.PlanTable, running_time_s: float) -> model.RunPlan:
@@ -209,11 +216,13 @@ def safety(table: schema.SafetyTable) -> model.Safety:
     return model.Safety(sdt=table.sdt, n_rxsafe=table.n_rxsafe, cmthr=table.cmthr)
 
 
+def uniform(pair: tuple[float, float] | None, divide: float = 1.0) -> model.Uniform | None:
+    """A distribution from its bounds, both divided by a number."""
+    return None if pair is None else model.Uniform(pair[0] / divide, pair[1] / divide)
+
+
 def perturbations(table: schema.PerturbationsTable) -> model.Perturbations:
     """Distributions in SI units."""
-
-    def uniform(pair: tuple[float, float] | None, divide: float = 1.0) -> model.Uniform | None:
-        return None if pair is None else model.Uniform(pair[0] / divide, pair[1] / divide)
 
     return model.Perturbations(
         mass_factor=uniform(table.mass_factor),

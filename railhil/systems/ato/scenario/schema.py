@@ -82,7 +82,8 @@ class ImportedTrainTable(Table):
     assumptions: list[Text] = []
 
 
-def _train_kind(table: Any) -> str:
+def train_kind(table: Any) -> str:
+    """Tag of a table of a train, before it is checked."""
     return "imported" if isinstance(table, dict) and "railtoolkit" in table else "own"
 
 
@@ -92,7 +93,7 @@ TRAIN_TAGS = ("own", "imported")
 
 AnyTrain = Annotated[
     Annotated[TrainTable, Tag("own")] | Annotated[ImportedTrainTable, Tag("imported")],
-    Discriminator(_train_kind),
+    Discriminator(train_kind),
 ]
 
 
@@ -112,12 +113,10 @@ class StopTable(Table):
     position_m: Number
 
 
-class LineTable(Table):
-    """A line: either its profiles, or a reference to an importable file; optionally cut between two stops."""
+class TrackTable(Table):
+    """A line: either its profiles, or a reference to an importable file."""
 
     BESIDE: ClassVar[Mapping[str, str]] = {
-        "stops": "from_stop",
-        "balises_before_stop_m": "from_stop",
         "path_id": "railtoolkit",
         "track_ids": "railml",
         "track_direction": "railml",
@@ -135,9 +134,23 @@ class LineTable(Table):
     track_ids: Annotated[list[Text], Field(min_length=1)] | None = None
     track_direction: Literal["normal", "reverse"] = "normal"
     default_limit_kmh: Positive | None = None
+
+
+#: Distances before a stop at which there are balises, in running order.
+BalisesBeforeStop = Annotated[list[NotNegative], Field(max_length=9)]
+
+
+class LineTable(TrackTable):
+    """A line, optionally cut between two stops."""
+
+    BESIDE: ClassVar[Mapping[str, str]] = {
+        **TrackTable.BESIDE,
+        "stops": "from_stop",
+        "balises_before_stop_m": "from_stop",
+    }
     from_stop: Text | int | None = None
     to_stop: Text | int | None = None
-    balises_before_stop_m: Annotated[list[NotNegative], Field(max_length=9)] = []
+    balises_before_stop_m: BalisesBeforeStop = []
     assumptions: list[Text] = []
 
 

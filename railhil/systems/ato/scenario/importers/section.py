@@ -78,21 +78,21 @@ def list_unused(names: Sequence[str]) -> tuple[str, ...]:
     return (f"not used of its file: {', '.join(names)}",) if names else ()
 
 
-def _number(stop_index: int, order: int) -> int:
-    return _NUMBERS_PER_STOP * (stop_index % _STOPS_NUMBERED) + order
+def lay_balises(stop_index: int, stop_m: float, before_stop_m: Sequence[float]) -> tuple[Balise, ...]:
+    """The balises before a stop, numbered in running order.
+
+    :param stop_index: number of the stop along the run or the line, from 0.
+    :param before_stop_m: their distances before the stopping point.
+    """
+    first = _NUMBERS_PER_STOP * (stop_index % _STOPS_NUMBERED) + 1
+    return tuple(
+        Balise(number, stop_m - before_m, stop_m - before_m) for number, before_m in enumerate(before_stop_m, first)
+    )
 
 
 def _stop_balises(
     from_index: int, to_index: int, distance_m: float, before_stop_m: tuple[float, ...]
 ) -> tuple[Balise, ...]:
     """Balises laid at the same distances before every stop; the one at the departure point lies under the train."""
-    balises = [
-        Balise(_number(from_index, order), 0.0, 0.0)
-        for order, before_m in enumerate(before_stop_m, start=1)
-        if before_m == 0.0
-    ]
-    balises += [
-        Balise(_number(to_index, order), distance_m - before_m, distance_m - before_m)
-        for order, before_m in enumerate(before_stop_m, start=1)
-    ]
-    return tuple(balises)
+    here = (balise for balise in lay_balises(from_index, 0.0, before_stop_m) if balise.surveyed_m == 0.0)
+    return (*here, *lay_balises(to_index, distance_m, before_stop_m))
