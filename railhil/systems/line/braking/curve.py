@@ -48,9 +48,14 @@ class BrakingCurve:
 
     def position_m(self, speed_mps: float) -> float:
         """Where the curve has a speed >= 0."""
+        return self.piece(speed_mps)[0]
+
+    def piece(self, speed_mps: float) -> tuple[float, float]:
+        """Where the curve has a speed >= 0, and the deceleration of its piece to the rear."""
         square = speed_mps * speed_mps
-        piece = bisect_right(self.squares, square, 1) - 1
-        return self.positions_m[piece] - (square - self.squares[piece]) / (2.0 * self.decelerations_mps2[piece])
+        row = bisect_right(self.squares, square, 1) - 1
+        rate_mps2 = self.decelerations_mps2[row]
+        return self.positions_m[row] - (square - self.squares[row]) / (2.0 * rate_mps2), rate_mps2
 
     def speed_mps(self, position_m: float) -> float:
         """Speed of the curve at a position; 0 behind its end."""

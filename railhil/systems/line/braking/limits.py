@@ -16,6 +16,9 @@ are zero, so that its ``d_EBI`` is ``d_SBD``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from math import sqrt
+from typing import NamedTuple
 
 from railhil.scenarios.profiles import Profile
 from railhil.systems.line.braking.brake import BrakeModel
@@ -23,10 +26,10 @@ from railhil.systems.line.braking.curve import BrakingCurve, braking_curve
 
 #: Largest acceleration that is assumed to go on while the emergency brake builds up.
 GROWTH_MAX_MPS2 = 0.4
-#: Accuracy of a speed found by bisection.
+#: A speed at a position is found when it changes by less.
 _SPEED_TOLERANCE_MPS = 1e-9
-#: Or its limit lies so near to the position: less than 1e-8 m/s at any speed above 0.02 m/s.
-_PLACE_TOLERANCE_M = 1e-10
+#: More steps than bisection alone needs.
+_STEPS_MAX = 80
 
 #: Rows ``(speed_mps, allowance_mps)`` with linear interpolation, held at both ends.
 SpeedTable = tuple[tuple[float, float], ...]
@@ -45,6 +48,14 @@ def interpolate(table: SpeedTable, speed_mps: float) -> float:
             return before + (value - before) * (speed_mps - before_mps) / (at_mps - before_mps)
         before_mps, before = at_mps, value
     return before
+
+
+def slope_at(table: SpeedTable, speed_mps: float) -> float:
+    """Slope of a table behind a speed."""
+    for (before_mps, before), (at_mps, value) in pairwise(table):
+        if before_mps <= speed_mps < at_mps:
+            return (value - before) / (at_mps - before_mps)
+    return 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +78,8 @@ INCREMENTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class LimitTimes:
-    """Times between the limits of one curve in s, each before the next: SBI before EBI, warning, permitted speed,
-    indication."""
+class LimitTimes(NamedTuple):
+    """Times in s by which the limits lie before the EBI or the SBD."""
 
     service_s: float
     warning_s: float
@@ -79,7 +88,7 @@ class LimitTimes:
 
     @classmethod
     def of(cls, brake: BrakeModel, t_bs_s: float) -> LimitTimes:
-        """Those of a brake, counted from the EBI or the SBD."""
+        """Those of a brake, with one of the times of its service brake."""
         permitted_s = t_bs_s + brake.t_driver_s
         return cls(t_bs_s, t_bs_s + brake.t_warning_s, permitted_s, permitted_s + brake.t_indication_s(t_bs_s))
 
@@ -112,33 +121,60 @@ class LimitCurve:
         start_mps, run_m = self._start(speed_mps, accel_mps2)
         return self.curve.position_m(start_mps) - run_m - speed_mps * lead_s
 
-    def speed_mps(self, position_m: float, lead_s: float, fastest_mps: float, accel_mps2: float = 0.0) -> float:
-        """Speed of a limit at a position: between the target's and ``fastest_mps``.
+    def speed_mps(
+        self,
+        position_m: float,
+        lead_s: float,
+        fastest_mps: float,
+        accel_mps2: float = 0.0,
+        near_mps: float | None = None,
+    ) -> float:
+        """Speed of a limit at a position: between the target's and ``fastest_mps``, to 1e-9 m/s.
 
-        Bisection with steps of the secant where they stay inside (Illinois), to 1e-9 m/s.
+        Between the steps of the curve the position is a parabola of the speed, so one step finds the root of its piece;
+        bisection finds the piece where that fails.
+
+        :param near_mps: where to begin.
         """
         low_mps, high_mps = self.target_mps, fastest_mps
-        low_gap_m = self.place_m(low_mps, lead_s, accel_mps2) - position_m
-        if low_gap_m <= 0.0 or high_mps <= low_mps:
+        if high_mps <= low_mps:
             return low_mps
-        high_gap_m = self.place_m(high_mps, lead_s, accel_mps2) - position_m
-        if high_gap_m >= 0.0:
-            return high_mps
-        side = 0
-        while high_mps - low_mps > _SPEED_TOLERANCE_MPS:
-            middle_mps = low_mps + (high_mps - low_mps) * low_gap_m / (low_gap_m - high_gap_m)
-            gap_m = self.place_m(middle_mps, lead_s, accel_mps2) - position_m
-            if abs(gap_m) < _PLACE_TOLERANCE_M:
-                return middle_mps
+        speed_mps = high_mps if near_mps is None else min(max(near_mps, low_mps), high_mps)
+        is_low_seen = is_high_seen = False
+        for _ in range(_STEPS_MAX):
+            place_m, slope, bend = self._parabola(speed_mps, lead_s, accel_mps2)
+            gap_m = place_m - position_m
             if gap_m > 0.0:
-                low_mps, low_gap_m = middle_mps, gap_m
-                high_gap_m *= 0.5 if side > 0 else 1.0
-                side = 1
+                if speed_mps >= high_mps:
+                    return high_mps
+                low_mps, is_low_seen = speed_mps, True
             else:
-                high_mps, high_gap_m = middle_mps, gap_m
-                low_gap_m *= 0.5 if side < 0 else 1.0
-                side = -1
-        return low_mps
+                if speed_mps <= low_mps:
+                    return low_mps
+                high_mps, is_high_seen = speed_mps, True
+            square = slope * slope - 2.0 * bend * gap_m
+            divisor = sqrt(square) - slope if square > 0.0 else 0.0
+            change_mps = 2.0 * gap_m / divisor if divisor > 0.0 else -speed_mps
+            if abs(change_mps) < _SPEED_TOLERANCE_MPS:
+                return speed_mps
+            better_mps = speed_mps + change_mps
+            if better_mps <= low_mps:
+                better_mps = 0.5 * (low_mps + high_mps) if is_low_seen else low_mps
+            elif better_mps >= high_mps:
+                better_mps = 0.5 * (low_mps + high_mps) if is_high_seen else high_mps
+            speed_mps = better_mps
+        return speed_mps
+
+    def _parabola(self, speed_mps: float, lead_s: float, accel_mps2: float) -> tuple[float, float, float]:
+        """:meth:`place_m`, and its first and second derivative by speed."""
+        start_mps, run_m = self._start(speed_mps, accel_mps2)
+        place_m, rate_mps2 = self.curve.piece(start_mps)
+        growth = 1.0 + slope_at(self._allowance, speed_mps)
+        run_slope = growth * (self._t_traction_s + self._t_berem_s)
+        if start_mps <= self.target_mps:
+            growth = run_slope = 0.0
+        slope = -growth * start_mps / rate_mps2 - run_slope - lead_s
+        return place_m - run_m - speed_mps * lead_s, slope, -growth * growth / rate_mps2
 
     def _start(self, speed_mps: float, accel_mps2: float) -> tuple[float, float]:
         """``V_bec`` and ``D_bec``."""
