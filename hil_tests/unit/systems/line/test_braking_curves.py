@@ -166,6 +166,11 @@ def test_a_grade_far_behind_the_fastest_speed_is_not_refused() -> None:
         braking_curve(1000.0, 0.0, constant(0.05), LEVEL, 20.0)
 
 
+def test_a_speed_is_found_where_the_parabola_of_the_first_piece_has_no_root() -> None:
+    limits = Braking(metro(), ((0.0, 0.0), (200.0, 0.0085), (511.0, 0.0)), FASTEST_MPS).service_limits(1010.0)
+    assert limits.speed_mps(1010.0 - 1.0 / 1.8, 0.0, FASTEST_MPS) == pytest.approx(1.0, abs=1e-9)
+
+
 def test_no_release_speed_where_the_overlap_is_too_short() -> None:
     limits = Braking(metro(), LEVEL, FASTEST_MPS).emergency_limits(1001.0, 0.0, 0.0)
     assert release_mps(limits, 1000.0, 2.0, 1.4) == 0.0

@@ -154,10 +154,9 @@ class LimitCurve:
                 high_mps, is_high_seen = speed_mps, True
             square = slope * slope - 2.0 * bend * gap_m
             divisor = sqrt(square) - slope if square > 0.0 else 0.0
-            change_mps = 2.0 * gap_m / divisor if divisor > 0.0 else -speed_mps
-            if abs(change_mps) < _SPEED_TOLERANCE_MPS:
+            better_mps = speed_mps + 2.0 * gap_m / divisor if divisor > 0.0 else -1.0
+            if abs(better_mps - speed_mps) < _SPEED_TOLERANCE_MPS:
                 return speed_mps
-            better_mps = speed_mps + change_mps
             if better_mps <= low_mps:
                 better_mps = 0.5 * (low_mps + high_mps) if is_low_seen else low_mps
             elif better_mps >= high_mps:
@@ -171,7 +170,7 @@ class LimitCurve:
         place_m, rate_mps2 = self.curve.piece(start_mps)
         growth = 1.0 + slope_at(self._allowance, speed_mps)
         run_slope = growth * (self._t_traction_s + self._t_berem_s)
-        if start_mps <= self.target_mps:
+        if start_mps < self.target_mps:
             growth = run_slope = 0.0
         slope = -growth * start_mps / rate_mps2 - run_slope - lead_s
         return place_m - run_m - speed_mps * lead_s, slope, -growth * growth / rate_mps2
