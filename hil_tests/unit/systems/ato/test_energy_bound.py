@@ -155,9 +155,9 @@ def test_the_dual_value_is_below_the_feasible_one_and_more_time_costs_no_more(
 ) -> None:
     found, later = (bound(line, distance_m, part, "ideal") for part in (share, share + more))
     for each in (found, later):
-        assert each.feasible_kj >= each.dual_kj * (1 - 1e-3) - 5.0
+        assert each.feasible_kj >= each.dual_kj * (1 - ALLOWED) - 5.0
         assert each.feasible_kj <= each.dual_kj * 1.02 + 20.0
-    assert later.feasible_kj <= found.feasible_kj * (1 + 1e-3) + 5.0
+    assert later.feasible_kj <= found.feasible_kj * (1 + ALLOWED) + 5.0
     assert found.bound_at_kj(later.running_time_s) <= later.feasible_kj * (1 + ALLOWED) + 5.0
 
 
@@ -169,5 +169,5 @@ def test_comfort_costs_no_less_than_the_ideal_driving_of_the_same_time(
 ) -> None:
     comfort = bound(line, distance_m, share, "comfort")
     ideal = energy_bound(on_line(line, distance_m), comfort.running_time_s, "ideal")
-    assert ideal.bound_kj <= comfort.feasible_kj * (1 + 1e-3) + 5.0
+    assert ideal.bound_kj <= comfort.feasible_kj * (1 + ALLOWED) + 5.0
     assert np.isfinite(comfort.multiplier_w)

@@ -20,6 +20,10 @@ _JUDGING = ("energy",)
 _JUDGING_OF_PLAN = ("stop_error_max_m", "time_error_max_s")
 
 
+#: Fields that change neither a frame nor a score: regenerated work is told beside the scores.
+_BESIDE_OF_TRAIN = ("electric_brake",)
+
+
 def _remove_defaults(item: Any) -> Any:
     """A dataclass as a table without the fields that have their defaults, so that a field added later, and not used by
     a scenario, does not change its hash."""
@@ -35,10 +39,19 @@ def _remove_defaults(item: Any) -> Any:
     return table
 
 
+def _canonical_table(scenario: Scenario) -> dict[str, Any]:
+    table: dict[str, Any] = _remove_defaults(scenario)
+    for name in _EXPLAINING:
+        table.pop(name, None)
+    for name in _BESIDE_OF_TRAIN:
+        table["train"].pop(name, None)
+    return table
+
+
 def canonical_json(scenario: Scenario) -> str:
     """JSON of the data that the run uses, with sorted keys, no spaces and shortest round-trip floats."""
-    table = _remove_defaults(scenario)
-    for name in (*_EXPLAINING, *_JUDGING):
+    table = _canonical_table(scenario)
+    for name in _JUDGING:
         table.pop(name, None)
     for name in _JUDGING_OF_PLAN:
         table["plan"].pop(name, None)
@@ -54,7 +67,4 @@ def scenario_sha256(scenario: Scenario) -> str:
 
 def judged_sha256(scenario: Scenario) -> str:
     """SHA-256 (hex) of the data that the run uses and is judged by: equal where scores are comparable."""
-    table = _remove_defaults(scenario)
-    for name in _EXPLAINING:
-        table.pop(name, None)
-    return text_sha256(table)
+    return text_sha256(_canonical_table(scenario))

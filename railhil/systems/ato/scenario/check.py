@@ -121,7 +121,10 @@ def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
     for row, (_, permil) in enumerate(line.grade_permil):
         if abs(permil) > 200:
             raise refuse(("line", "grade_permil", row), permil, "a grade from -200 to 200 permil")
-    for key, effort in (("traction", train.traction), ("brake", train.brake)):
+    efforts = {"traction": train.traction, "brake": train.brake, "electric_brake": train.electric_brake}
+    for key, effort in efforts.items():
+        if effort is None:
+            continue
         _check_increasing([row[0] for row in effort.curve], ("train", key, "curve_kmh_kn"), refuse)
         for row, point in enumerate(effort.curve):
             if min(point) < 0:

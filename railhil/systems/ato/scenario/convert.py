@@ -60,6 +60,7 @@ def train(table: schema.TrainTable | schema.ImportedTrainTable, refuse: Refuse) 
         speed_limit_mps=table.speed_limit_kmh / 3.6,
         service_braking_mps2=table.service_braking_mps2,
         gravity_mps2=table.gravity_mps2,
+        electric_brake=None if table.electric_brake is None else effort(table.electric_brake),
     )
 
 
@@ -183,7 +184,12 @@ def sensors(table: schema.SensorsTable) -> model.Sensors:
 
 def energy(table: schema.EnergyTable) -> model.Energy:
     """Energy coefficients, auxiliary power in W."""
-    return model.Energy(xi_m=table.xi_m, xi_b=table.xi_b, auxiliary_power_w=table.auxiliary_power_kw * 1000)
+    return model.Energy(
+        xi_m=table.xi_m,
+        xi_b=table.xi_b,
+        auxiliary_power_w=table.auxiliary_power_kw * 1000,
+        regenerative_efficiency=table.regenerative_efficiency,
+    )
 
 
 def watch(table: schema.WatchTable) -> model.WatchLimits:

@@ -58,6 +58,8 @@ class Train:
     speed_limit_mps: float = 1000.0
     service_braking_mps2: float = 1.0
     gravity_mps2: float = 9.81
+    #: The part of the brake that is electric and can feed back; None: not known. It moves no train.
+    electric_brake: Effort | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,11 +121,15 @@ class Sensors:
 
 @dataclass(frozen=True, slots=True)
 class Energy:
-    """Eq. (5) of the IPFC paper: traction work / xi_m + auxiliary power * time + xi_b * brake work."""
+    """Eq. (5) of the IPFC paper: traction work / xi_m + auxiliary power * time + xi_b * brake work.
+
+    Eq. (5) does not use ``regenerative_efficiency``, the share of the electric brake's work that is fed back.
+    """
 
     xi_m: float
     xi_b: float
     auxiliary_power_w: float
+    regenerative_efficiency: float = 0.7
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,6 +68,7 @@ class TrainTable(Table):
     speed_limit_kmh: Positive = 3600.0
     service_braking_mps2: Positive = 1.0
     gravity_mps2: Annotated[float, Field(gt=9.0, lt=10.0)] = 9.81
+    electric_brake: EffortTable | None = None
     assumptions: list[Text] = []
 
 
@@ -196,11 +197,13 @@ class SensorsTable(Table):
 
 
 class EnergyTable(Table):
-    """Coefficients of eq. (5) of the IPFC paper, which does not print them: the defaults are chosen."""
+    """Coefficients of eq. (5) of the IPFC paper, which does not print them, and of the regenerated work: the defaults
+    are chosen."""
 
     xi_m: Annotated[float, Field(gt=0, le=1)] = 0.88
     xi_b: Number = 0.0
     auxiliary_power_kw: NotNegative = 40.0
+    regenerative_efficiency: Annotated[float, Field(ge=0, le=1)] = 0.7
 
 
 class WatchTable(Table):
