@@ -16,15 +16,17 @@ from railhil.common.errors import InputError, Words
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import RUNS, find
 from railhil.systems.ato.scenario.model import TargetCurve
-from railhil.systems.ato.scenario.train_files import Parts, generate_target, read_parts
+from railhil.systems.ato.scenario.schema import GenerateTable
+from railhil.systems.ato.scenario.train_files import generate_target, read_parts
 
 
-def target_file_text(parts: Parts, curve: TargetCurve) -> str:
-    """Text of the target file: the limits used to generate it, and the nodes."""
-    limits = parts.file.target.generate
-    assert limits is not None
+def target_file_text(curve: TargetCurve, limits: GenerateTable, command: str) -> str:
+    """Text of a target file: the limits used to generate it, and the nodes.
+
+    :param command: module and arguments that write it.
+    """
     lines = [
-        f"# Made by: python -m railhil.systems.ato.scenario.regenerate {parts.file.name} --write",
+        f"# Made by: python -m {command}",
         "nodes_s_mps2 = [",
         *(f"    [{time_s!r}, {accel!r}]," for time_s, accel in curve.nodes),
         "]",
@@ -45,7 +47,11 @@ def main(arguments: list[str] | None = None) -> int:
         for name in options.scenario:
             path = find(name)
             parts = read_parts(path)
-            text = target_file_text(parts, generate_target(parts)[0])
+            curve = generate_target(parts)[0]
+            limits = parts.file.target.generate
+            assert limits is not None
+            command = f"railhil.systems.ato.scenario.regenerate {parts.file.name} --write"
+            text = target_file_text(curve, limits, command)
             if options.write and path.parent != RUNS:
                 raise InputError(path, "--write", Words("is a file of your own"), "shipped names; redirect the output")
             if options.write:

@@ -18,7 +18,7 @@ from railhil.systems.ato.scenario.schema import TRAIN_TAGS, TrackTable
 from railhil.systems.line.scenario import check, model, schema
 from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.curves import find_targets
-from railhil.systems.line.scenario.legs import LaidRoute, lay_route
+from railhil.systems.line.scenario.legs import LaidRoute, lay_route, list_overruns
 from railhil.systems.line.scenario.protection import Protection
 from railhil.systems.line.scenario.timetable import make_timetable
 
@@ -77,7 +77,13 @@ def read_line_scenario(
         safety=convert.safety(file.safety),
         perturbations=perturbations,
         published=tuple(PublishedScore.of(row.model_dump()) for row in file.published),
-        assumptions=(*file.train.assumptions, *file.line.assumptions, *laid.remarks, *file.assumptions),
+        assumptions=(
+            *file.train.assumptions,
+            *file.line.assumptions,
+            *laid.remarks,
+            *list_overruns(laid, timetable.stops),
+            *file.assumptions,
+        ),
         faults=faults,
         legs=laid.legs,
         stops=timetable.stops,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -14,6 +14,7 @@ from railhil.systems.ato.scenario.importers.section import Stop, StopLine, lay_b
 from railhil.systems.ato.scenario.mirror import mirror_line
 from railhil.systems.ato.scenario.model import Balise, Line
 from railhil.systems.ato.scenario.schema import TrackTable
+from railhil.systems.line.scenario.model import StationStop
 from railhil.systems.line.scenario.schema import LegTable, LineScenarioFile, RouteStopTable, RouteTable
 
 #: Track behind the last stop of a leg whose profiles are kept; the train protection looks that far at most (chosen).
@@ -99,6 +100,16 @@ def lay_route(file: LineScenarioFile, train_length_m: float, read_line: ReadLine
         stops += laid if turn is None else laid[1:]
         begins.append(begin_m)
     return LaidRoute(tuple(legs), tuple(stops), tuple(begins), tuple(f"line: {remark}" for remark in remarks))
+
+
+def list_overruns(laid: LaidRoute, stops: Sequence[StationStop]) -> tuple[str, ...]:
+    """Remarks about track behind the last stop of a leg, to the end that is protected there."""
+    last = [max(place for place, stop in enumerate(stops) if stop.leg == leg) for leg in range(len(laid.legs))]
+    return tuple(
+        f"line: {stops[place].svl_overlap_m:g} m of overrun track behind {stops[place].name} are assumed, like there"
+        for leg, place in zip(laid.legs, last, strict=True)
+        if max(leg.grade_permil[-1][0], leg.speed_limit_mps[-1][0]) <= stops[place].position_m
+    )
 
 
 @dataclass(frozen=True, slots=True)
