@@ -106,7 +106,8 @@ def list_overruns(laid: LaidRoute, stops: Sequence[StationStop]) -> tuple[str, .
     """Remarks about track behind the last stop of a leg, to the end that is protected there."""
     last = [max(place for place, stop in enumerate(stops) if stop.leg == leg) for leg in range(len(laid.legs))]
     return tuple(
-        f"line: {stops[place].svl_overlap_m:g} m of overrun track behind {stops[place].name} are assumed, like there"
+        f"line: {stops[place].svl_overlap_m:g} m of overrun track behind {stops[place].name} "
+        "with the grade and limit of the stop are assumed"
         for leg, place in zip(laid.legs, last, strict=True)
         if max(leg.grade_permil[-1][0], leg.speed_limit_mps[-1][0]) <= stops[place].position_m
     )
