@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Final
 
 from railhil.bus.codes import ControllerFlag
@@ -24,7 +24,7 @@ from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, ma
 from railhil.controller_node.laws import law_class
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.node import LawNode
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, wire_contract
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import (
@@ -58,8 +58,10 @@ def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
     :param safe: with the mailboxes of the safe channel.
     :raises ContractError: the ports do not fit into the chip.
     """
-    contract = wire_contract()
-    sides = (SAFE_MAILBOXES, SAFE_ANSWERS) if safe else (MAILBOXES, ANSWERS)
+    return _mailboxes_of(wire_contract(), *((SAFE_MAILBOXES, SAFE_ANSWERS) if safe else (MAILBOXES, ANSWERS)))
+
+
+def _mailboxes_of(contract: Contract, *sides: Sequence[type[Telegram]]) -> tuple[Mailbox, ...]:
     received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in sides)
     return mailbox_table(contract, received, sent)
 
@@ -102,7 +104,7 @@ class ControllerNode(LawNode):
         self,
         scenario: Scenario,
         law: LawSpec,
-        controller: Controller | None = None,
+        controller: Any = None,
         *,
         fd: bool = False,
         bit_rate: int | None = None,
@@ -112,7 +114,8 @@ class ControllerNode(LawNode):
         counter = BitCounter(_supported_bit_rate(law, bit_rate, safe=safe, fd=fd))
         needed = self.law_type.track or law.over_distance
         self._odometer = Odometer(scenario, task_ns, needed=needed)
-        self.guard = Guard(scenario, counter, self._odometer, TrackInfo(scenario))
+        self._track_info = TrackInfo(scenario)
+        self.guard = Guard(scenario, counter, self._odometer, self._track_info)
         self._balises = Balises()
         # Balises can contradict the position only of a law that gets them.
         self._end_01mm = end_of_authority_01mm(scenario) if self.law_type.track else None
@@ -123,13 +126,13 @@ class ControllerNode(LawNode):
         # The last answer to NOTCH_CMD, and the object that repeats it as a safe telegram.
         self._notch_cmd = NotchCmd()
         self._safe = SafeSource(source_identity(NotchSdt.port().address), SAFE_DATA_VERSION)
-        module = None if fd else Receiver(mailboxes(safe), counter, task_ns)
+        kinds, sent = self.mailbox_telegrams(safe)
+        self._mailboxes = _mailboxes_of(self._contract, kinds, sent)
+        module = None if fd else Receiver(self._mailboxes, counter, task_ns)
         #: The CAN module with its mailboxes; None with CAN FD, which the chip does not support.
         self.ecan: Ecan | None = None if module is None else module.ecan
-        answers: dict[str, Callable[[], Telegram]] = {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status}
-        answers |= {NotchSdt.PORT: self._safe_notch} if safe else {}
-        received = [telegram.port() for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)]
-        responder = self.attach(received, answers, fd=fd, module=module)
+        received = [self._contract.port(telegram.PORT) for telegram in kinds]
+        responder = self.attach(received, self.answers(safe), fd=fd, module=module)
         responder.on(TrnSpeed, self._speed)
         if safe:
             responder.on(SpeedSdt, self._safe_speed)
@@ -140,6 +143,18 @@ class ControllerNode(LawNode):
         for kind in (TimeSync, PltStat):
             responder.on(kind, self._look)
 
+    def mailbox_telegrams(self, safe: bool) -> tuple[Sequence[type[Telegram]], Sequence[type[Telegram]]]:
+        """Telegrams with receive mailboxes, most urgent first, and those with transmit mailboxes.
+
+        :param safe: with the safe channel.
+        """
+        return (SAFE_MAILBOXES, SAFE_ANSWERS) if safe else (MAILBOXES, ANSWERS)
+
+    def answers(self, safe: bool) -> dict[str, Callable[[], Telegram]]:
+        """For each port of which it is the source, besides CTL_IDENT, what makes its telegram."""
+        answers: dict[str, Callable[[], Telegram]] = {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status}
+        return answers | ({NotchSdt.PORT: self._safe_notch} if safe else {})
+
     @property
     def lost_messages(self) -> int:
         """Frames overwritten in their mailbox before they were read."""
@@ -149,11 +164,7 @@ class ControllerNode(LawNode):
     def lost_by_mailbox(self) -> dict[str, int]:
         """Frames lost in each receive mailbox, by its name; none with CAN FD."""
         ecan = self.ecan
-        return (
-            {}
-            if ecan is None
-            else {box.name: ecan.lost[box.number] for box in mailboxes(self.guard.safe is not None) if not box.transmit}
-        )
+        return {} if ecan is None else {box.name: ecan.lost[box.number] for box in self._mailboxes if not box.transmit}
 
     @property
     def counters(self) -> dict[str, int]:

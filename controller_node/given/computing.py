@@ -98,6 +98,10 @@ class SkeletonLaw:
         """Have the commands computed by it."""
         self._computer = computer
 
+    def share(self, other: SkeletonLaw) -> None:
+        """Have the commands computed by what computes those of another law of the same system."""
+        self._computer = other._computer
+
     def ask(self, arithmetic: Any, terms: Terms, state: Any, inputs: Any) -> Sequence[Any]:
         """Commands in their units; where the law is recorded, inputs of its program (:func:`asked_name`).
 
