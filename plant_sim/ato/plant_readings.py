@@ -37,11 +37,14 @@ def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) ->
 
 
 class AxleSensors:
-    """Readings of one run. Each tick has its own speed noise, independent of the number of readings."""
+    """Readings of one run. Each tick has its own speed noise, independent of the number of readings.
 
-    def __init__(self, sensors: Sensors, seed: int) -> None:
+    :param stream: of the noise; another axle of the train has its own.
+    """
+
+    def __init__(self, sensors: Sensors, seed: int, stream: int = streams.AXLE_NOISE) -> None:
         self.sensors = sensors
-        self._key = key_of(seed, streams.AXLE_NOISE)
+        self._key = key_of(seed, stream)
         self._first_tick = 0
         self._block_mps: list[float] = []
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
+from railhil.plant_sim.atp.readings import Authority
 from railhil.plant_sim.line.doors import PSD_DELAY_S
 from railhil.systems.ato.scenario.model import Balise
 from railhil.systems.line.scenario.dwell import DrawnDwell
@@ -15,14 +16,6 @@ from railhil.wire.line import SignalAspect
 SHORT_STANDING_S: Final = 10.0
 #: End of the authority's safe distance behind a red signal.
 SIGNAL_OVERLAP_M: Final = 20.0
-
-
-class MovementAuthority(NamedTuple):
-    """How far the train may go: end of authority, supervised location, and whether it ends at a red signal."""
-
-    eoa_m: float
-    svl_m: float
-    red_signal: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +50,8 @@ class Journey:
         self._begin_m = self.stops[0].position_m
         #: When the exchange of passengers is over; None: the doors have not been open.
         self._exchanged_tick: int | None = None
+        #: To the section's end.
+        self._authority: Authority | None = None
 
     # -- the section --------------------------------------------------------------------------------------------------
 
@@ -81,7 +76,7 @@ class Journey:
         self._begin_m = self.stops[section.departure].position_m
         self.arrival = section.arrival
         self.has_arrived = self.has_opened = False
-        self._exchanged_tick = None
+        self._exchanged_tick = self._authority = None
         self.departure_tick = tick
         before, self.leg = self.leg, section.leg
         return before != self.leg
@@ -191,16 +186,19 @@ class Journey:
             return self._scenario.sections[self.section + 1].leg
         return self.leg
 
-    def authority(self, tick: int) -> MovementAuthority:
+    def authority(self, tick: int) -> Authority:
         """The authority that the track side gives: to the section's end, or to a red signal before it."""
         stop = self.stop
-        eoa_m, svl_m = stop.position_m + stop.eoa_overlap_m, stop.position_m + stop.svl_overlap_m
+        if self._authority is None:
+            self._authority = Authority(stop.position_m + stop.eoa_overlap_m, stop.position_m + stop.svl_overlap_m)
+        if not self._scenario.signals:
+            return self._authority
         now_s = tick * self._tick_s
         red_m = [
             one.position_m
             for one in self._scenario.signals
-            if one.leg == self.leg and now_s < one.clear_s and self._begin_m < one.position_m < eoa_m
+            if one.leg == self.leg and now_s < one.clear_s and self._begin_m < one.position_m < self._authority.eoa_m
         ]
         if red_m:
-            return MovementAuthority(min(red_m), min(red_m) + SIGNAL_OVERLAP_M, True)
-        return MovementAuthority(eoa_m, svl_m, False)
+            return Authority(min(red_m), min(red_m) + SIGNAL_OVERLAP_M, True)
+        return self._authority

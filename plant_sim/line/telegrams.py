@@ -9,6 +9,7 @@ from railhil.bus.layout import flag
 from railhil.common.floats import rounded
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.plant_sim.line.doors import SIDES
+from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, TRACTION_CUT
 from railhil.systems.ato.scenario.target import Target
 from railhil.systems.line.scenario.model import LineScenario, StationStop
 from railhil.wire.line import AtpLim, AtpStat, DoorStat, Service, StnInfo
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _UINT16_MAX: Final = 0xFFFF
 _UINT8_MAX: Final = 0xFF
+_INT24_MAX: Final = 0x7FFFFF
 _SERVICES: Final = {"pass": int(Service.PASS), "stop": int(Service.STOP), "terminal": int(Service.TERMINAL)}
 
 
@@ -29,6 +31,9 @@ class LineTelegrams(TrainTelegrams):
         self._line = scenario
         self._train = train
         self._aim = rounded(scenario.stops[0].position_m * 1000), 0
+        #: Telegrams that were made under way, where only their life signs change.
+        self._doors_under_way: DoorStat | None = None
+        self._station_under_way: tuple[int | None, StnInfo] | None = None
         self.makers |= {
             DoorStat.PORT: self._doors,
             StnInfo.PORT: self._station,
@@ -49,9 +54,13 @@ class LineTelegrams(TrainTelegrams):
         return 0 if self._train.journey.has_arrived else super()._target_speed_half_mps()
 
     def _doors(self) -> DoorStat:
-        train = self._train
+        train, life = self._train, next(self._lives[DoorStat.PORT])
+        told = self._doors_under_way
+        if told is not None and not train.is_busy:
+            told.life = life
+            return told
         doors, journey = train.doors, train.journey
-        return DoorStat(
+        made = DoorStat(
             left_state=doors.left.state,
             right_state=doors.right.state,
             doors_locked=flag(doors.are_train_doors_locked),
@@ -63,16 +72,22 @@ class LineTelegrams(TrainTelegrams):
             dwell_left_ds=min(ceil(round(journey.dwell_left_s(train.tick) * 10, 6)), _UINT16_MAX),
             reopened=min(doors.reopened, _UINT8_MAX),
             side_permitted=train.sides_permitted,
-            life=next(self._lives[DoorStat.PORT]),
+            life=life,
         )
+        self._doors_under_way = None if train.is_busy else made
+        return made
 
     def _station(self) -> StnInfo:
-        train = self._train
+        train, life = self._train, next(self._lives[StnInfo.PORT])
         journey, tick = train.journey, train.tick
+        told = self._station_under_way
+        if told is not None and told[0] == journey.next_stop and not train.is_busy:
+            told[1].life = life
+            return told[1]
         position_m = train.position_01mm / 1e4
         stop: StationStop = journey.stop
         here = train.station_here
-        return StnInfo(
+        made = StnInfo(
             station_here=0 if here is None else here + 1,
             station_next=0 if journey.next_stop is None else journey.next_stop + 1,
             section=journey.section + 1,
@@ -84,14 +99,47 @@ class LineTelegrams(TrainTelegrams):
             platform_side=SIDES[stop.platform],
             due_departure_ds=_to_ds(stop.depart_s),
             next_stop_mm=rounded(stop.position_m * 1000),
-            life=next(self._lives[StnInfo.PORT]),
+            life=life,
         )
+        # Signals change with time and place.
+        self._station_under_way = None if train.is_busy or self._line.signals else (journey.next_stop, made)
+        return made
 
     def _protection_limit(self) -> AtpLim:
-        return AtpLim(life=next(self._lives[AtpLim.PORT]))
+        life, onboard = next(self._lives[AtpLim.PORT]), self._train.onboard
+        if onboard is None:
+            return AtpLim(life=life)
+        demands = onboard.demands
+        return AtpLim(_to_4mmps(demands.permitted_mps), demands.status, demands.monitoring, life=life)
 
     def _protection(self) -> AtpStat:
-        return AtpStat(life=next(self._lives[AtpStat.PORT]))
+        life, onboard = next(self._lives[AtpStat.PORT]), self._train.onboard
+        if onboard is None:
+            return AtpStat(life=life)
+        demands, reaction = onboard.demands, onboard.reaction
+        return AtpStat(
+            traction_cut=flag(reaction >= TRACTION_CUT),
+            service_brake=flag(demands.service_brake),
+            emergency_brake=flag(reaction == EMERGENCY_BRAKE),
+            cause=demands.cause,
+            warning_4mmps=_to_4mmps(demands.warning_mps),
+            sbi_4mmps=_to_4mmps(demands.sbi_mps),
+            ebi_4mmps=_to_4mmps(demands.ebi_mps),
+            target_distance_cm=_limited(demands.target_distance_m, 100, -_INT24_MAX, _INT24_MAX),
+            target_speed_half_mps=_limited(demands.target_speed_mps, 2, 0, _UINT8_MAX),
+            release_speed_dmps=_limited(demands.release_mps, 10, 0, _UINT8_MAX),
+            uncertainty_cm=_limited(demands.uncertainty_m, 100, 0, _UINT16_MAX),
+            life=life,
+        )
+
+
+def _limited(value: float, per_unit: int, least: int, most: int) -> int:
+    """A value in steps of the wire; beyond their ends it is the end."""
+    return rounded(min(max(value * per_unit, least), most))
+
+
+def _to_4mmps(speed_mps: float) -> int:
+    return _limited(speed_mps, 250, 0, _UINT16_MAX)
 
 
 def _to_ds(time_s: float | None) -> int:

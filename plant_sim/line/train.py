@@ -10,7 +10,8 @@ from typing import Final
 
 from railhil.bus.acceptance import Acceptance
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram
-from railhil.plant_sim.ato import force_tables, forces
+from railhil.plant_sim.ato import dynamics, force_tables, forces
+from railhil.plant_sim.ato.command_watch import watch_brake_mps2
 from railhil.plant_sim.ato.dynamics import Window
 from railhil.plant_sim.ato.forces import EffortLimit, TrainConstants
 from railhil.plant_sim.ato.plant import PARKING_BRAKE_PERMIL
@@ -20,13 +21,14 @@ from railhil.plant_sim.line.brakes import EmergencyForce, HoldingBrake
 from railhil.plant_sim.line.docking import DockingLoop
 from railhil.plant_sim.line.doors import CLOSE, SIDES, TrainDoors
 from railhil.plant_sim.line.journey import Journey, PassMark
+from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION, SERVICE_BRAKE, Onboard
 from railhil.plant_sim.line.run_end import LineRunEnd
 from railhil.plant_sim.line.telegrams import LineTelegrams
 from railhil.systems.ato.scenario.model import Balise
 from railhil.systems.ato.scenario.perturb import perturb
 from railhil.systems.line.scenario.dwell import draw_dwells
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.wire.ato import CtlStat
+from railhil.wire.ato import CtlStat, WatchLevel
 from railhil.wire.line import AtoStat, DoorCmd
 
 _NO_ORDER: Final = (0, 0)
@@ -39,7 +41,9 @@ class LineTrain(TrainOnBus):
     :ivar doors: of the train and of the platform.
     :ivar docking: tells whether the train stands within the door window.
     :ivar holding: the holding brake.
+    :ivar onboard: the train protection; None: the train has none.
     :ivar stood_from_tick: of the present standstill.
+    :ivar is_busy: it stands, or has doors that are not locked: the equipment of a stop needs every tick.
     """
 
     statuses: Sequence[str] = (CtlStat.PORT, AtoStat.PORT)
@@ -52,15 +56,20 @@ class LineTrain(TrainOnBus):
         self.doors = TrainDoors(actual.route.doors, tick_s)
         self.docking = DockingLoop(actual.route.door_window_m, seed, tick_s)
         self.stood_from_tick = 0
+        self.onboard: Onboard | None = None
         self._has_left = False
-        #: Standing, or with doors that are not locked: the equipment of a stop needs every tick.
-        self._is_busy = True
+        self.is_busy = True
+        #: A brake besides those of watch and actuator acts.
+        self._is_braked = True
         super().__init__(actual, seed, False, rate)
         self._line = actual
         self._unloaded = self._train
         self._section_masses = (1.0,) * len(actual.sections)
         nominal_kg = scenario.train.inertial_mass_kg
         brake = scenario.emergency
+        if scenario.atp.enabled:
+            self.onboard = Onboard(scenario, seed, 1.0)
+        self._protection_brake_mps2 = 0.0
         self._emergency = None if brake is None else EmergencyForce(brake, nominal_kg, tick_s)
         self.holding = HoldingBrake(self._parking_brake_n)
         self._hold_commanded = True
@@ -138,8 +147,8 @@ class LineTrain(TrainOnBus):
         elif station and self.station_here == station - 1 and not order & ~self.sides_permitted:
             self.doors.has_psd = self.journey.stop.psd
             self.doors.open(order)
-            self._is_busy = True
-            self._show_doors()
+            self.is_busy = True
+            self.show_doors()
         elif not self._order_refused:
             self._order_refused = True
             self._mark("door_refused")
@@ -174,6 +183,8 @@ class LineTrain(TrainOnBus):
         """Take profiles and balises of the next leg; its balises under the standing train have been read."""
         leg = self._line.legs[self.journey.leg]
         self._enter(leg)
+        if self.onboard is not None:
+            self.onboard.enter(self.journey.leg, self._motion.position_m)
         self._balises = deque(sorted((*leg.balises, *self.journey.passed_marks()), key=_place))
         while self._balises and self._balises[0].true_m <= self._motion.position_m:
             self._pass_balise(self._balises.popleft(), 0.0)
@@ -193,11 +204,27 @@ class LineTrain(TrainOnBus):
 
     def _protect(self) -> None:
         """The forces that the train's watches, brakes and interlocks allow over the coming tick."""
-        if self._is_busy:
+        if self.is_busy:
             self._attend()
+        onboard = self.onboard
+        if onboard is not None and self.tick % onboard.period_ticks == 0:
+            self._look(onboard)
+        before_n = self._window.brake_min_n
         super()._protect()
-        if self.holding.is_applied or self._window.brake_min_n == inf:
-            self._brake()
+        if self._is_braked or self._window.brake_min_n == inf:
+            self._brake(before_n)
+
+    def _look(self, onboard: Onboard) -> None:
+        """Let the train protection look; report a stronger reaction."""
+        before, motion = onboard.reaction, self._motion
+        authority, locked = self.journey.authority(self.tick), self.doors.are_locked
+        held = self.holding.is_applied
+        if onboard.look(self.tick, motion.position_m, motion.speed_mps, authority, locked, held):
+            self._mark("atp")
+            if onboard.reaction == EMERGENCY_BRAKE:
+                self._mark("emergency")
+        if onboard.reaction != before:
+            self._is_braked = held or onboard.reaction > NO_REACTION
 
     def _attend(self) -> None:
         """Move the doors, measure the place, and hold the train at a stop."""
@@ -212,11 +239,12 @@ class LineTrain(TrainOnBus):
             self._move_doors()
         if standing and (self._hold_commanded or not doors.are_locked):
             self.holding.apply()
+            self._is_braked = True
         elif self.holding.is_applied:
             grade_permil = forces.mean_grade_permil(self._grades, motion.position_m)
             against_n = forces.resistance_n(self._constants, 0.0, grade_permil)
             self.holding.follow(max(0.0, motion.actuator_n), against_n, not journey.has_arrived)
-        self._is_busy = standing or bool(doors.opened) or self.holding.is_applied
+        self.is_busy = standing or bool(doors.opened) or self.holding.is_applied
 
     def _move_doors(self) -> None:
         """Move doors that were ordered to open over the coming tick, and report at its end what they have become."""
@@ -227,23 +255,48 @@ class LineTrain(TrainOnBus):
             self.journey.open(self.tick + 1)
             self._mark("doors_open", self._step_s)
         if doors.are_locked != were_locked:
-            self._show_doors()
+            self.show_doors()
         if doors.are_locked:
             doors.opened = 0
             doors.has_psd = False
             self._mark("doors_locked", self._step_s)
 
-    def _show_doors(self) -> None:
+    def show_doors(self) -> None:
+        """Take the state of the doors into the interlock of traction."""
         self.status.doors_closed_locked = self.doors.are_locked
 
-    def _brake(self) -> None:
-        """Add holding brake and emergency brake to the forces that watch and interlocks allow."""
+    def _brake(self, before_n: float) -> None:
+        """Add holding brake, train protection and emergency brake to the forces that watch and interlocks allow.
+
+        :param before_n: demand of the last tick; the service brake remains while the emergency brake builds up.
+        """
         traction, brake_min_n = self._window
-        if brake_min_n == inf and self._emergency is not None:
-            brake_min_n = self._emergency.step()
-            traction = False
-            self._constants = _with_brake(self._plain_constants, brake_min_n, self._motion.speed_mps)
-        self._window = Window(traction, max(brake_min_n, self.holding.acting_n))
+        reaction = NO_REACTION if self.onboard is None else self.onboard.reaction
+        service_n = self._protection_brake_n(reaction)
+        if brake_min_n == inf or reaction == EMERGENCY_BRAKE:
+            brake_min_n = inf
+            if self._emergency is not None:
+                brake_min_n = max(before_n, self._emergency.step())
+                self._constants = _with_brake(self._plain_constants, brake_min_n, self._motion.speed_mps)
+        traction = traction and reaction == NO_REACTION
+        self._window = Window(traction, max(brake_min_n, service_n, self.holding.acting_n))
+        if not traction and self._motion.actuator_n > 0.0:
+            # The contactors are open, as in the plant of ato.
+            self._motion = self._motion._replace(actuator_n=0.0)
+        self._is_braked = self.holding.is_applied or reaction > NO_REACTION or service_n > 0.0
+
+    def _protection_brake_n(self, reaction: int) -> float:
+        """Service brake that the train protection demands: it builds up and is released like that of the watch."""
+        if reaction < SERVICE_BRAKE and self._protection_brake_mps2 == 0.0:
+            return 0.0
+        level = WatchLevel.SERVICE_BRAKE if reaction >= SERVICE_BRAKE else WatchLevel.NORMAL
+        mass_kg, train = self._constants.mass_kg, self._train
+        braking_mps2 = max(0.0, -dynamics.applied_n(self._constants, self._window, self._motion) / mass_kg)
+        self._protection_brake_mps2 = watch_brake_mps2(
+            level, self._protection_brake_mps2, braking_mps2, not self.is_standing, self._step_s,
+            train.service_braking_mps2,
+        )  # fmt: skip
+        return self._protection_brake_mps2 * mass_kg
 
     def _start(self, after_s: float, position_m: float) -> None:
         """The first motion after a standstill: of the run, of a creep at a stop, or of a section."""
@@ -259,7 +312,7 @@ class LineTrain(TrainOnBus):
         self._departed = False
         self._stood_m = position_m
         self.stood_from_tick = self.tick
-        self._is_busy = True
+        self.is_busy = True
         if self.journey.stand(position_m):
             self._event("arrived", after_s, position_m)
 
@@ -268,6 +321,8 @@ class LineTrain(TrainOnBus):
             self.journey.pass_stop(balise.number)
             self._event("passed", after_s, balise.true_m)
         else:
+            if self.onboard is not None:
+                self.onboard.pass_balise(balise)
             super()._pass_balise(balise, after_s)
 
     def _mark(self, kind: str, after_s: float = 0.0) -> None:

@@ -1,0 +1,141 @@
+"""The train protection in the train: what it demands acts on the train itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from hil_tests.support.lines import Driver, four_stops
+from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE
+from railhil.plant_sim.atp.readings import Authority
+from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION
+from railhil.plant_sim.line.train import LineTrain
+from railhil.systems.line.scenario.model import LineScenario, RouteSignal
+from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus
+
+
+def begun(line: LineScenario | None = None) -> Driver:
+    line = line or four_stops()
+    return Driver(LineTrain(line, 0), line)
+
+
+def told(driver: Driver) -> AtpStat:
+    found = driver.train.makers[AtpStat.PORT]()
+    assert isinstance(found, AtpStat)
+    return found
+
+
+def under_way(driver: Driver, speed_mps: float = 14.0) -> None:
+    driver.run(lambda: driver.train.true_speed_01mmps > speed_mps * 1e4)
+
+
+def frozen(driver: Driver, notch: float = 7.0) -> None:
+    """From now on the controller sends one notch."""
+    driver.notch = lambda: notch  # type: ignore[method-assign]
+
+
+def standing(driver: Driver) -> Callable[[], bool]:
+    return lambda: driver.train.is_standing
+
+
+def test_a_train_that_keeps_to_its_curve_meets_no_reaction() -> None:
+    driver = begun()
+    reactions = set()
+
+    def watched() -> bool:
+        assert driver.train.onboard is not None
+        reactions.add(driver.train.onboard.reaction)
+        return driver.kinds().count("doors_open") == 2
+
+    driver.run(watched)
+    assert reactions == {NO_REACTION}
+    assert "atp" not in driver.kinds()
+
+
+@pytest.mark.parametrize("notch", [7.0, 1.0, 0.0])
+def test_a_frozen_controller_passes_no_supervised_location(notch: float) -> None:
+    driver = begun()
+    under_way(driver)
+    frozen(driver, notch)
+    driver.run(standing(driver))
+    stop = driver.line.stops[1]
+    assert driver.train.position_01mm / 1e4 < stop.position_m + stop.svl_overlap_m
+    assert "atp" in driver.kinds()
+
+
+def test_without_protection_a_frozen_controller_passes_it() -> None:
+    line = four_stops()
+    driver = begun(replace(line, atp=replace(line.atp, enabled=False)))
+    under_way(driver)
+    frozen(driver, 0.0)
+    driver.run(lambda: driver.train.position_01mm > 12_310_000)
+    assert (told(driver).traction_cut, told(driver).emergency_brake) == (FLAG_FALSE, FLAG_FALSE)
+
+
+def test_a_train_that_leaves_without_permission_is_stopped_before_the_supervised_location() -> None:
+    driver = begun()
+    frozen(driver)
+    driver.orders = lambda: {"hold_brake": FLAG_FALSE, "station": 1}  # type: ignore[method-assign]
+    driver.run(lambda: driver.train.position_01mm > 10_000)
+    driver.run(standing(driver))
+    assert driver.train.position_01mm < 300_000
+    assert told(driver).emergency_brake == FLAG_TRUE
+
+
+def test_a_dead_protection_applies_the_emergency_brake_within_half_a_second() -> None:
+    driver = begun()
+    under_way(driver)
+    onboard, ticks = driver.train.onboard, driver.train.tick
+    assert onboard is not None
+    onboard.is_dead = True
+    driver.run(lambda: onboard.reaction == EMERGENCY_BRAKE)
+    assert 40 <= driver.train.tick - ticks <= 51
+    assert driver.kinds()[-2:] == ["atp", "emergency"]
+    driver.run(standing(driver))
+    assert told(driver).emergency_brake == FLAG_TRUE
+
+
+def test_doors_that_lose_their_lock_at_speed_stop_the_train() -> None:
+    driver = begun()
+    under_way(driver)
+    driver.train.doors.left.has_lost_lock = True
+    driver.train.show_doors()
+    driver.run(lambda: "atp" in driver.kinds(), most_s=300)
+    assert told(driver).cause == AtpCause.DOORS
+    assert not driver.train.status.traction_enabled
+    driver.run(standing(driver))
+    assert driver.train.position_01mm < 12_000_000
+
+
+def test_the_emergency_brake_reaches_its_deceleration_after_dead_time_and_lag() -> None:
+    driver = begun()
+    under_way(driver)
+    frozen(driver, 0.0)
+    onboard = driver.train.onboard
+    assert onboard is not None
+    onboard.is_dead = True
+    driver.run(lambda: onboard.reaction == EMERGENCY_BRAKE)
+    from_mps = driver.train.true_speed_01mmps / 1e4
+    ticks = driver.train.tick
+    driver.run(standing(driver))
+    # Dead time and lag add up to 0.9 s; grade and resistance are small.
+    assert (driver.train.tick - ticks) / 100 == pytest.approx(from_mps / 1.2 + 0.9, rel=0.1)
+
+
+def test_a_red_signal_in_the_section_ends_the_authority_of_a_train_that_passes_it() -> None:
+    driver = begun(four_stops(signals=(RouteSignal(900.0, 400.0),)))
+    journey = driver.train.journey
+    journey.depart(driver.train.tick)
+    assert journey.authority(1000) == Authority(900.0, 920.0, True)
+    assert journey.authority(40_000) == Authority(1210.0, 1230.0)
+
+
+def test_the_permitted_speed_is_told_to_the_driver() -> None:
+    driver = begun()
+    under_way(driver)
+    found = driver.train.makers[AtpLim.PORT]()
+    assert isinstance(found, AtpLim)
+    assert found.status == AtpStatus.NORMAL
+    assert 15.0 < found.permitted_4mmps / 250 <= 80 / 3.6 + 0.004

@@ -1,0 +1,106 @@
+"""The train protection on board: its own axle sensor and balise reader, and the plant's view of its demands.
+
+The protection sees nothing else of the train (:mod:`railhil.plant_sim.atp`). A protection that no longer works applies
+the emergency brake: its demands must be fresh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from railhil.plant_sim.ato.plant_readings import AxleSensors
+from railhil.plant_sim.atp.protection import PERIOD_S, TrainProtection
+from railhil.plant_sim.atp.readings import Authority, Demands, Readings, Track, TrainData
+from railhil.scenarios import streams
+from railhil.systems.ato.scenario.model import Balise, Line
+from railhil.systems.line.scenario.model import LineScenario
+
+#: Demands may be this old.
+FRESH_S: Final = 0.4
+#: Reactions, from none to the emergency brake.
+NO_REACTION, TRACTION_CUT, SERVICE_BRAKE, EMERGENCY_BRAKE = range(4)
+
+
+class Onboard:
+    """One train protection with its sensors; it is looked at every ``period_ticks``.
+
+    :param scenario: as surveyed and planned, without perturbations.
+    :param wheel_factor: share of the true distance that its own axle reads.
+    :ivar is_dead: it no longer works (a fault).
+    :ivar reaction: the strongest of its demands.
+    """
+
+    def __init__(self, scenario: LineScenario, seed: int, wheel_factor: float) -> None:
+        train, tick_s = scenario.train, scenario.timing.base_tick_ns * 1e-9
+        self.is_dead = False
+        self.period_ticks = max(1, round(PERIOD_S / tick_s))
+        self.reaction = NO_REACTION
+        self.sensors = AxleSensors(replace(scenario.sensors, wheel_factor=wheel_factor), seed, streams.PROTECTION_NOISE)
+        self._legs = tuple(map(_track, scenario.legs))
+        data = TrainData(train.length_m, train.speed_limit_mps, train.gravity_mps2)
+        self._protection = TrainProtection(scenario.atp, data, self._legs[scenario.stops[0].leg], 0.0)
+        self._tick_s = tick_s
+        self._fresh_ticks = round(FRESH_S / tick_s)
+        self._fresh_tick = 0
+        self._passed: list[tuple[int, float]] = []
+
+    @property
+    def demands(self) -> Demands:
+        """Its last demands."""
+        return self._protection.demands
+
+    def pass_balise(self, balise: Balise) -> None:
+        """Read a balise."""
+        self._passed.append((balise.number, self.sensors.odometer_between_mm(balise.true_m) / 1000))
+
+    def enter(self, leg: int, position_m: float) -> None:
+        """Another leg begins, at standstill."""
+        self._protection.enter(self._legs[leg], self._odometer_m(position_m), position_m)
+
+    def look(
+        self, tick: int, position_m: float, speed_mps: float, authority: Authority, doors_locked: bool, held: bool
+    ) -> bool:
+        """Let it look at the readings of a tick, a multiple of ``period_ticks``.
+
+        :param position_m: true position, for its sensors, like the speed.
+        :returns: whether it reacts more strongly than before.
+        """
+        before = self.reaction
+        if not self.is_dead:
+            self._fresh_tick = tick
+            demands = self._protection.step(
+                Readings(
+                    tick * self._tick_s,
+                    self.sensors.speed_01mmps(speed_mps, tick) * 1e-4,
+                    self._odometer_m(position_m),
+                    tuple(self._passed),
+                    authority,
+                    doors_locked,
+                    held,
+                )
+            )
+            self._passed.clear()
+            self.reaction = _reaction(demands)
+        elif tick - self._fresh_tick > self._fresh_ticks:
+            self.reaction = EMERGENCY_BRAKE
+        return self.reaction > before
+
+    def _odometer_m(self, position_m: float) -> float:
+        return self.sensors.odometer_mm(position_m) / 1000
+
+
+def _track(leg: Line) -> Track:
+    return Track(
+        leg.grade_permil,
+        leg.speed_limit_mps,
+        tuple((balise.number, balise.surveyed_m) for balise in leg.balises),
+    )
+
+
+def _reaction(demands: Demands) -> int:
+    if demands.emergency_brake:
+        return EMERGENCY_BRAKE
+    if demands.service_brake:
+        return SERVICE_BRAKE
+    return TRACTION_CUT if demands.traction_cut else NO_REACTION
