@@ -1,5 +1,5 @@
-"""A figure as data: charts with curves, areas and points. Pages draw it as SVG (:mod:`railhil.charts.svg`), files with
-matplotlib (:mod:`railhil.report.pictures.printed`)."""
+"""A figure as data: charts with curves, areas, bands and points. Pages draw it as SVG (:mod:`railhil.charts.svg`), files
+with matplotlib (:mod:`railhil.report.pictures.printed`)."""
 
 from __future__ import annotations
 
@@ -65,8 +65,9 @@ class Curve:
 class Area:
     """A rectangle; without an extent in one direction it is a line.
 
-    ``x``, ``y``: from and to; None: over all of the axis. ``kind``: ``allowed``, ``line``, ``event`` or ``fault``.
-    ``text``: shown under the pointer.
+    ``x``, ``y``: from and to; None: over all of the axis. ``kind``: ``allowed``, ``line``, ``event``, ``fault`` or
+    ``bar``. ``text``: shown under the pointer. ``label``: its entry in the legend, once for equal ones; empty: none.
+    ``colour``: of a ``bar``, as in :class:`Look`.
     """
 
     x: tuple[float, float] | None
@@ -74,6 +75,8 @@ class Area:
     kind: str = "line"
     text: str = ""
     run: int = -1
+    label: str = ""
+    colour: str = "dim"
 
 
 #: The line at zero.
@@ -81,14 +84,32 @@ ZERO = Area(None, (0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
+class Band:
+    """The area between two lines, shape (n,) each; NaN where there is none.
+
+    :param x: places of both lines, or of the lower one alone.
+    :param x_high: places of the upper line where they differ.
+    """
+
+    label: str
+    x: FloatArray
+    low: FloatArray
+    high: FloatArray
+    look: Look
+    x_high: FloatArray | None = None
+    run: int = -1
+
+
+@dataclass(frozen=True, slots=True)
 class Point:
-    """A marker at one place."""
+    """A marker at one place. ``text``: shown under the pointer; empty: the label."""
 
     label: str
     x: float
     y: float
     look: Look
     run: int = -1
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +119,8 @@ class Chart:
     :param x_label: with its unit; empty: the label of the chart below, which has the same axis.
     :param y_label: with its unit; above the chart.
     :param x_names: texts at some values instead of numbers; ``y_names`` likewise.
+    :param x_lines: lines across the chart at some values; a name stands along its line, an empty one has none.
+    :param bands: below the curves.
     :param is_log: both axes are logarithmic.
     :param sync: charts with the same word share cursor and zoom; empty: this one is alone.
     :param share: of the width of the figure; further charts follow beside it.
@@ -112,6 +135,8 @@ class Chart:
     points: Sequence[Point] = ()
     x_names: Mapping[float, str] = field(default_factory=dict)
     y_names: Mapping[float, str] = field(default_factory=dict)
+    x_lines: Mapping[float, str] = field(default_factory=dict)
+    bands: Sequence[Band] = ()
     is_log: bool = False
     sync: str = ""
     height_px: int = 150

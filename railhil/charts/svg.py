@@ -8,35 +8,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from html import escape
 
 import numpy as np
 
 from railhil.charts.curve_points import find_deviation, pick_rows
-from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent, looks, ticks
-from railhil.common.streams import escape_controls
+from railhil.charts.figure import Chart, Curve, Figure, FloatArray, Look, looks, ticks
+from railhil.charts.svg_shapes import (
+    Axes,
+    area_sample,
+    draw_area,
+    draw_band,
+    draw_point,
+    draw_x_lines,
+    escaped,
+    marker,
+    name_pairs,
+    pair,
+    run_of,
+    stroke,
+)
 
-_WIDTH_PX, _RIGHT_PX, _TOP_PX = 912, 18, 6
 #: Space left of the axes: the least, and for each letter of a name there.
 _LEFT_PX, _LETTER_PX = 56, 6.6
-#: Space below the axes: of a chart with its own horizontal axis, and of a chart above such a one.
-_BOTTOM_PX, _BOTTOM_SHARED_PX = 36, 8
 _TICK_X_PX, _TICK_Y_PX = 62, 32
 #: Largest number of stretches of a curve, each with two points, and of all curves of a figure together.
 _STRETCHES, _STRETCHES_TOGETHER, _STRETCHES_MIN = 500, 8000, 150
-#: Length of areas over all of an axis, as a multiple of the axis.
-_BEYOND = 20.0
-#: Markers around the origin, one pixel in radius.
-_MARKERS: Mapping[str, str] = {
-    "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0Z",
-    "s": "M-.9-.9H.9V.9H-.9Z",
-    "D": "M0-1.2L1.2 0L0 1.2L-1.2 0Z",
-    "^": "M0-1.1L1.1.9H-1.1Z",
-    "v": "M0 1.1L1.1-.9H-1.1Z",
-    "P": "M-.35-1H.35V-.35H1V.35H.35V1H-.35V.35H-1V-.35H-.35Z",
-    "X": "M-1-.5L-.5-1L0-.5L.5-1L1-.5L.5 0L1 .5L.5 1L0 .5L-.5 1L-1 .5L-.5 0Z",
-    "+": "M-1.4 0H1.4M0-1.4V1.4",
-}
 
 
 def markup(figure: Figure) -> str:
@@ -58,77 +54,53 @@ def markup(figure: Figure) -> str:
     return "\n".join(found) + ("\n</div>" if filled else "")
 
 
-class _Axes:
-    """The plot area of a chart, and its content."""
-
-    def __init__(self, chart: Chart, left_px: int) -> None:
-        self.chart = chart
-        self.width_px = round(_WIDTH_PX * chart.share)
-        bottom_px = _BOTTOM_PX if chart.x_label else _BOTTOM_SHARED_PX
-        self.height_px = _TOP_PX + chart.height_px + bottom_px
-        self.box = (left_px, _TOP_PX, self.width_px - left_px - _RIGHT_PX, chart.height_px)
-        self.x = self._scaled(extent(chart, "x"))
-        self.y = self._scaled(extent(chart, "y"))
-
-    def _scaled(self, bounds: tuple[float, float]) -> tuple[float, float]:
-        low, high = bounds
-        return (math.log10(low), math.log10(high)) if self.chart.is_log else bounds
-
-    def scaled(self, values: FloatArray) -> FloatArray:
-        """Values as numbers of a path."""
-        if not self.chart.is_log:
-            return np.asarray(values, dtype=np.float64)
-        with np.errstate(divide="ignore"):
-            # Values that a logarithmic axis cannot show lie below it.
-            return np.maximum(np.log10(values), -99.0)
-
-    def place(self, x: float, y: float) -> tuple[float, float]:
-        """A point in px of the plot."""
-        (low_x, high_x), (low_y, high_y), box = self.x, self.y, self.box
-        return (x - low_x) / (high_x - low_x) * box[2], (high_y - y) / (high_y - low_y) * box[3]
-
-    @property
-    def matrix(self) -> str:
-        """The transformation from the units of the axes to px of the plot."""
-        (low_x, high_x), (low_y, high_y), box = self.x, self.y, self.box
-        a, d = box[2] / (high_x - low_x), -box[3] / (high_y - low_y)
-        return f"matrix({a:.9g} 0 0 {d:.9g} {-a * low_x:.9g} {-d * high_y:.9g})"
-
-
 def _chart(figure: Figure, chart: Chart, left_px: int, stretches: int) -> str:
-    axes = _Axes(chart, left_px)
+    axes = Axes(chart, left_px)
     every = looks(chart.curves)
     keys = [_key(curve, look) for curve, look in zip(chart.curves, every, strict=True)]
+    keys += _area_keys(chart)
     shown = list(dict.fromkeys(point.label for point in chart.points))
     for label in shown:
         point = next(one for one in chart.points if one.label == label)
         if label not in {curve.label for curve in chart.curves}:
-            keys.append(f'<span class="key">{_sample(point.look, is_line=False)}{_text(label)}</span>')
+            keys.append(f'<span class="key">{_sample(point.look, is_line=False)}{escaped(label)}</span>')
     box = " ".join(map(str, axes.box))
     flags = ' data-log=""' * chart.is_log
     flags += "" if chart.y_bounds == (None, None) and not chart.y_names else ' data-fixed=""'
-    flags += f' data-sync="{_text(chart.sync)}"' if chart.sync else ""
+    flags += f' data-sync="{escaped(chart.sync)}"' if chart.sync else ""
     said = f"{figure.title}: {_alternative(chart, axes)}"
     style = f' style="flex:0 0 {100 * chart.share:g}%"' if chart.share < 1 else ""
-    label = f"<b>{_text(chart.y_label)}</b>" if chart.y_label else ""
+    label = f"<b>{escaped(chart.y_label)}</b>" if chart.y_label else ""
     return (
         f'<div class="chart" tabindex="0"{style}{flags}>'
         f'<p class="keys">{label}{"".join(keys)}<span class="at"></span></p>'
-        f'<svg viewBox="0 0 {axes.width_px} {axes.height_px}" role="img" aria-label="{_text(said)}" '
-        f'data-box="{box}" data-x="{_pair(axes.x)}" data-y="{_pair(axes.y)}" '
-        f'data-names="{_names(chart.x_names)}|{_names(chart.y_names)}">'
+        f'<svg viewBox="0 0 {axes.width_px} {axes.height_px}" role="img" aria-label="{escaped(said)}" '
+        f'data-box="{box}" data-x="{pair(axes.x)}" data-y="{pair(axes.y)}" '
+        f'data-names="{name_pairs(chart.x_names)}|{name_pairs(chart.y_names)}">'
         f'<g class="axes">{_grid(axes)}</g>{_x_label(axes)}'
         f'<svg class="plot" x="{axes.box[0]}" y="{axes.box[1]}" width="{axes.box[2]}" height="{axes.box[3]}">'
         f'<g class="data" transform="{axes.matrix}">'
-        + "".join(_area(axes, area) for area in chart.areas)
+        + "".join(draw_area(axes, area) for area in chart.areas)
+        + "".join(draw_band(axes, band, stretches) for band in chart.bands)
         + "".join(_path(axes, curve, look, stretches) for curve, look in zip(chart.curves, every, strict=True))
         + "</g>"
-        + "".join(_point(axes, point) for point in chart.points)
+        + draw_x_lines(axes)
+        + "".join(draw_point(axes, point) for point in chart.points)
         + "</svg></svg></div>"
     )
 
 
-def _alternative(chart: Chart, axes: _Axes) -> str:
+def _area_keys(chart: Chart) -> Iterator[str]:
+    """The entries of areas and bands in the legend, one for equal labels."""
+    named = {area.label: (area.kind, area.colour) for area in reversed(chart.areas) if area.label}
+    named = dict(reversed(named.items())) | {
+        band.label: ("band", band.look.colour) for band in chart.bands if band.label
+    }
+    for label, (kind, colour) in named.items():
+        yield f'<span class="key">{area_sample(kind, colour)}{escaped(label)}</span>'
+
+
+def _alternative(chart: Chart, axes: Axes) -> str:
     """Description for readers who do not see the chart."""
     names = list(dict.fromkeys(curve.label for curve in chart.curves))
     (low_x, high_x), (low_y, high_y) = axes.x, axes.y
@@ -136,7 +108,7 @@ def _alternative(chart: Chart, axes: _Axes) -> str:
     return f"{', '.join(names)}; {chart.y_label} {low_y:.4g} to {high_y:.4g} over {over}"
 
 
-def _grid(axes: _Axes) -> str:
+def _grid(axes: Axes) -> str:
     """Lines and numbers of both axes; ``figures.js`` draws the same after a zoom."""
     left, top, width, height = axes.box
     chart = axes.chart
@@ -161,7 +133,7 @@ def _marks(
         for at, name in names.items():
             at = math.log10(at) if is_log else at
             if bounds[0] <= at <= bounds[1]:
-                yield at, _text(name)
+                yield at, escaped(name)
         return
     if is_log:
         for power in range(math.ceil(bounds[0]), math.floor(bounds[1]) + 1):
@@ -172,17 +144,17 @@ def _marks(
         yield at, f"{at + 0.0:.{decimals}f}"
 
 
-def _x_label(axes: _Axes) -> str:
+def _x_label(axes: Axes) -> str:
     if not axes.chart.x_label:
         return ""
     left, top, width, height = axes.box
     return (
         f'<text class="x" x="{left + width / 2:g}" y="{top + height + 30}" text-anchor="middle">'
-        f"{_text(axes.chart.x_label)}</text>"
+        f"{escaped(axes.chart.x_label)}</text>"
     )
 
 
-def _path(axes: _Axes, curve: Curve, look: Look, stretches: int) -> str:
+def _path(axes: Axes, curve: Curve, look: Look, stretches: int) -> str:
     x, y = np.asarray(curve.x, dtype=np.float64), np.asarray(curve.y, dtype=np.float64)
     within = 0.0
     if len(x) and not curve.is_filled:
@@ -201,11 +173,11 @@ def _path(axes: _Axes, curve: Curve, look: Look, stretches: int) -> str:
         x, y = np.concatenate((x[:1], x, x[-1:])), np.concatenate(([floor], y, [floor]))
     d = (_stairs if curve.is_step else _line)(x, y)
     given = f' data-within="{within:.2g}"' if within else ""
-    given += f' data-unit="{_text(curve.unit)}"' if curve.unit else ""
-    given += f' data-column="{_text(curve.column)}"' if curve.column else ""
+    given += f' data-unit="{escaped(curve.unit)}"' if curve.unit else ""
+    given += f' data-column="{escaped(curve.column)}"' if curve.column else ""
     given += ' data-step=""' if curve.is_step else ""
     filled = " filled" if curve.is_filled else ""
-    return f'<path class="curve{filled}"{_stroke(look)}{_run(curve.run)}{given} d="{d}"/>'
+    return f'<path class="curve{filled}"{stroke(look)}{run_of(curve.run)}{given} d="{d}"/>'
 
 
 def _is_even(x: FloatArray) -> bool:
@@ -243,63 +215,12 @@ def _stairs(x: FloatArray, y: FloatArray) -> str:
     return "".join(found)
 
 
-def _area(axes: _Axes, area: Area) -> str:
-    def whole(bounds: tuple[float, float]) -> tuple[float, float]:
-        reach = _BEYOND * (bounds[1] - bounds[0])
-        return bounds[0] - reach, bounds[1] + reach
-
-    x = whole(axes.x) if area.x is None else tuple(axes.scaled(np.array(area.x)).tolist())
-    y = whole(axes.y) if area.y is None else tuple(axes.scaled(np.array(area.y)).tolist())
-    said = f"<title>{_text(area.text)}</title>" if area.text else ""
-    d = f"M{x[0]:.7g} {y[0]:.7g}V{y[1]:.7g}H{x[1]:.7g}V{y[0]:.7g}Z"
-    return f'<path class="{area.kind}"{_run(area.run)} d="{d}">{said}</path>'
-
-
-def _point(axes: _Axes, point: Point) -> str:
-    x, y = axes.place(point.x, point.y)
-    at = f"{point.x:.9g} {point.y:.9g}"
-    return (
-        f'<g class="point"{_run(point.run)} data-at="{at}" transform="translate({x:.2f} {y:.2f})">'
-        f"<title>{_text(point.label)}</title>{_marker(point.look)}</g>"
-    )
-
-
-def _marker(look: Look) -> str:
-    radius = look.marker_px / 2
-    fill = f"var(--rc-{look.colour})" if look.is_full else "none"
-    return (
-        f'<path class="marker" d="{_MARKERS[look.marker]}" transform="scale({radius:g})" '
-        f'style="stroke:var(--rc-{look.colour});fill:{fill}"/>'
-    )
-
-
 def _key(curve: Curve, look: Look) -> str:
     """The entry of a curve in the legend, where its value at the cursor stands."""
-    return f'<span class="key"{_run(curve.run)}>{_sample(look)}{_text(curve.label)}<output></output></span>'
+    return f'<span class="key"{run_of(curve.run)}>{_sample(look)}{escaped(curve.label)}<output></output></span>'
 
 
 def _sample(look: Look, is_line: bool = True) -> str:
-    line = f'<path class="curve"{_stroke(look)} d="M0 7H30"/>' if is_line else ""
-    marker = f'<g transform="translate(15 7)">{_marker(look)}</g>' if look.marker else ""
-    return f'<svg class="sample" viewBox="0 0 30 14" aria-hidden="true">{line}{marker}</svg>'
-
-
-def _stroke(look: Look) -> str:
-    dashes = f";stroke-dasharray:{' '.join(f'{dash:g}' for dash in look.dashes)}" if look.dashes else ""
-    return f' style="stroke:var(--rc-{look.colour});stroke-width:{look.width:g}{dashes}"'
-
-
-def _run(number: int) -> str:
-    return f' data-run="{number}"' if number >= 0 else ""
-
-
-def _pair(bounds: tuple[float, float]) -> str:
-    return f"{bounds[0]:.9g} {bounds[1]:.9g}"
-
-
-def _names(names: Mapping[float, str]) -> str:
-    return ";".join(f"{at:g}={_text(name)}" for at, name in names.items())
-
-
-def _text(text: str) -> str:
-    return escape(escape_controls(text))
+    line = f'<path class="curve"{stroke(look)} d="M0 7H30"/>' if is_line else ""
+    point = f'<g transform="translate(15 7)">{marker(look)}</g>' if look.marker else ""
+    return f'<svg class="sample" viewBox="0 0 30 14" aria-hidden="true">{line}{point}</svg>'

@@ -123,8 +123,18 @@ def _draw(axes: Axes, chart: Chart, said: set[str]) -> None:
     """
     :param said: labels that the legends above have already.
     """
+    named: set[str] = set()
     for area in chart.areas:
-        _area(axes, area)
+        label = area.label or (area.text if area.kind == "allowed" else "")
+        _area(axes, area, "_" if label in named or not label else label)
+        named.add(label)
+    for band in chart.bands:
+        x_high = band.x if band.x_high is None else band.x_high
+        outline = (np.concatenate((band.x, x_high[::-1])), np.concatenate((band.low, band.high[::-1])))
+        axes.fill(*outline, color=_COLOURS[band.look.colour], alpha=0.25, linewidth=0.0, label=band.label)
+    for at, name in chart.x_lines.items():
+        axes.axvline(at, color="0.6", linewidth=0.6)
+        axes.annotate(name, (at, 0.98), xycoords=axes.get_xaxis_transform(), rotation=90, ha="right", va="top")
     for curve, look in zip(chart.curves, looks(chart.curves), strict=True):
         _curve(axes, curve, look, curve.label if curve.label not in said else "_")
     for point in chart.points:
@@ -171,9 +181,10 @@ def _marker(look: Look) -> dict[str, Any]:
     }
 
 
-def _area(axes: Axes, area: Area) -> None:
+def _area(axes: Axes, area: Area, label: str) -> None:
     low_x, high_x = area.x or (None, None)
     low_y, high_y = area.y or (None, None)
+    style = _AREAS.get(area.kind, {"facecolor": _COLOURS[area.colour], "edgecolor": "none"})
     if area.kind == "line":
         line: dict[str, Any] = {"color": "0.6", "linewidth": 0.6}
         if low_y is not None:
@@ -181,12 +192,11 @@ def _area(axes: Axes, area: Area) -> None:
         if low_x is not None:
             axes.axvline(low_x, **line)
     elif low_x is not None and low_y is not None and high_x is not None and high_y is not None:
-        axes.fill([low_x, high_x, high_x, low_x], [low_y, low_y, high_y, high_y], linewidth=0.8, **_AREAS[area.kind],
-                  label=area.text if area.kind == "allowed" else "_")  # fmt: skip
+        axes.fill([low_x, high_x, high_x, low_x], [low_y, low_y, high_y, high_y], linewidth=0.8, **style, label=label)  # fmt: skip
     elif low_x is not None and high_x is not None:
-        axes.axvspan(low_x, high_x, **_AREAS[area.kind])
+        axes.axvspan(low_x, high_x, **style)
     elif low_y is not None and high_y is not None:
-        axes.axhspan(low_y, high_y, **_AREAS[area.kind])
+        axes.axhspan(low_y, high_y, **style)
 
 
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")

@@ -118,6 +118,16 @@ const railhilFigures = (() => {
         const [x, y] = numbers(point.dataset.at);
         point.setAttribute("transform", `translate(${this.toX(x)} ${this.toY(y)})`);
       }
+      let before = -Infinity;
+      for (const line of this.plot.querySelectorAll(".across")) {
+        const x = this.toX(Number(line.dataset.at)), name = line.querySelector("text");
+        line.setAttribute("transform", `translate(${x} 0)`);
+        if (!name) continue;
+        const room = x - before >= 13;
+        name.setAttribute("visibility", room ? "visible" : "hidden");
+        name.setAttribute("y", x < 14 ? 11 : -3);
+        if (room && x >= 0) before = x;
+      }
       const axes = this.svg.querySelector(".axes"), made = [];
       const add = (name, given, text = "") => {
         const one = document.createElementNS(SVG, name);
@@ -182,7 +192,7 @@ const railhilFigures = (() => {
     move(ways, ends) {
       for (const path of this.data.children) {
         const way = ways.get(path.dataset.run) ?? ways.values().next().value;
-        const {xs, ys} = points(path), step = "step" in path.dataset || !path.classList.contains("curve");
+        const {xs, ys} = points(path), step = "step" in path.dataset || !(path.classList.contains("curve") || path.classList.contains("band"));
         path.dataset.d ??= path.getAttribute("d");
         let text = "", open = false;
         xs.forEach((x, at) => {
