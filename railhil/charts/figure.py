@@ -1,5 +1,7 @@
-"""A figure as data: charts with curves, areas, bands and points. Pages draw it as SVG (:mod:`railhil.charts.svg`), files
-with matplotlib (:mod:`railhil.report.pictures.printed`)."""
+"""A figure as data: charts with curves, areas, bands and points.
+
+Pages draw it as SVG (:mod:`railhil.charts.svg`), files with matplotlib (:mod:`railhil.report.pictures.printed`).
+"""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def draw_band(axes: Axes, band: Band, stretches: int) -> str:
 def draw_x_lines(axes: Axes) -> str:
     """The named lines; a name that would stand on the one before is left out until a zoom makes room for it."""
     found, before_px = [], -math.inf
-    for at, name in axes.chart.x_lines.items():
+    for at, name in sorted(axes.chart.x_lines.items()):
         x_px = axes.place(math.log10(at) if axes.chart.is_log else at, 0.0)[0]
         has_room = x_px - before_px >= _NAMES_APART_PX
         text = ""

@@ -130,7 +130,9 @@ def _draw(axes: Axes, chart: Chart, said: set[str]) -> None:
         named.add(label)
     for band in chart.bands:
         x_high = band.x if band.x_high is None else band.x_high
-        outline = (np.concatenate((band.x, x_high[::-1])), np.concatenate((band.low, band.high[::-1])))
+        known = np.isfinite(band.low) & np.isfinite(band.high)
+        edges = ((band.x, x_high), (band.low, band.high))
+        outline = [np.concatenate((first[known], second[known][::-1])) for first, second in edges]
         axes.fill(*outline, color=_COLOURS[band.look.colour], alpha=0.25, linewidth=0.0, label=band.label)
     for at, name in chart.x_lines.items():
         axes.axvline(at, color="0.6", linewidth=0.6)
@@ -192,7 +194,8 @@ def _area(axes: Axes, area: Area, label: str) -> None:
         if low_x is not None:
             axes.axvline(low_x, **line)
     elif low_x is not None and low_y is not None and high_x is not None and high_y is not None:
-        axes.fill([low_x, high_x, high_x, low_x], [low_y, low_y, high_y, high_y], linewidth=0.8, **style, label=label)  # fmt: skip
+        corners = [low_x, high_x, high_x, low_x], [low_y, low_y, high_y, high_y]
+        axes.fill(*corners, linewidth=0.8, **style, label=label)
     elif low_x is not None and high_x is not None:
         axes.axvspan(low_x, high_x, **style)
     elif low_y is not None and high_y is not None:

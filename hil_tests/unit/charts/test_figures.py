@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hil_tests.support.svg_paths import path_points
-from railhil.charts.figure import TARGET, TIME, ZERO, Area, Chart, Curve, Figure, Look, Point, extent, ticks
+from railhil.charts.figure import TARGET, TIME, ZERO, Area, Band, Chart, Curve, Figure, Look, Point, extent, ticks
 from railhil.charts.svg import markup
 from railhil.report.pictures import printed, sheet
 
@@ -110,3 +110,37 @@ def test_files_have_the_same_charts_as_pages() -> None:
     assert (picture.name, picture.title, picture.caption) == ("f", "Title", "Caption.")
     assert ">two<" in picture.svg
     assert ">one<" in picture.svg
+
+
+def test_bands_bars_and_named_lines_are_in_the_markup_and_in_files() -> None:
+    x = np.arange(6.0)
+    gap = np.where(x == 3.0, np.nan, x)
+    chart = Chart(
+        [Curve("one", x, x)],
+        TIME,
+        "y",
+        areas=[
+            Area((1.0, 2.0), (0.0, 1.0), "bar", "first", label="open", colour="2"),
+            Area((4.0, 5.0), (0.0, 1.0), "bar", "second", label="open", colour="2"),
+        ],
+        bands=[Band("between", x, gap, x + 1.0, Look("6")), Band("wide", x, x, x, Look("0"), x_high=x + 0.5)],
+        x_lines={0.0: "First <stop>", 0.01: "too near", 5.0: "", 4.0: "Last"},
+        points=[Point("run", 2.0, 2.0, Look("1", marker="o"), text="at the stop")],
+    )
+    figure = Figure("f", "Title", "", [chart])
+    tree = ET.fromstring(f"<p>{markup(figure)}</p>")
+    keys = ["".join(one.itertext()) for one in tree.iter("span") if one.get("class") == "key"]
+    assert keys == ["one", "open", "between", "wide", "run"]
+    assert [one.text for one in tree.iter("title")] == ["first", "second", "at the stop"]
+    bands = [one.get("d") or "" for one in tree.iter("path") if one.get("class") == "band"]
+    between, wide = (d for d in bands if d != "M4 2H26V12H4Z")
+    # Two pieces, each along the lower line and back along the upper one.
+    assert between == "M0 0 1 1 2 2 2 3 1 2 0 1ZM4 4 5 5 5 6 4 5Z"
+    assert wide == "M0 0 1 1 2 2 3 3 4 4 5 5 5.5 5 4.5 4 3.5 3 2.5 2 1.5 1 0.5 0Z"
+    lines = [one for one in tree.iter("g") if one.get("class") == "across"]
+    assert [one.get("data-at") for one in lines] == ["0", "0.01", "4", "5"]
+    shown = {text.text: text.get("visibility") for one in lines for text in one.iter("text")}
+    assert shown == {"First <stop>": None, "too near": "hidden", "Last": None}
+    (axes,) = sheet(figure).axes
+    assert {one.get_text() for one in axes.texts} == {"First <stop>", "too near", "", "Last"}
+    assert [one.get_text() for one in axes.get_legend().get_texts()].count("open") == 1

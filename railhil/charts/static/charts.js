@@ -9,7 +9,8 @@
 
    description: {
      title, unit,                    above the chart: "title (unit)"; both may be empty
-     x: {label, unit},               of the horizontal axis
+     x: {label, unit, range},        of the horizontal axis; range: [low, high] without a zoom, otherwise that of the data
+     lines: [{at, name}],            named lines across the chart, x ascending; a name without room is left out
      series: [{label, unit, colour, dash, width, step, show, names, within}]
                                      colour: place in the palette or "target"; dash: in px; step: hold each value until the next;
                                      names: words for the values 0, 1, 2 ... (a level, a flag)
@@ -25,6 +26,7 @@
    handle: {
      setData(data),                  new values; a zoom of the reader stays
      setMarkers(markers),
+     setPlaces([x, ...]),            triangles below the chart's curves: where something is now
      show(place, on),                one series, counted from 0
      zoom(low, high), zoom(),        range of x of the chart and those of its sync word; without figures: everything
      range(), zoomed(),              [low, high] as shown; whether that is less than everything
@@ -125,6 +127,43 @@ const railhilCharts = (() => {
     ctx.restore();
   }
 
+  // Named lines from top to bottom, the names along them; then the places.
+  function drawLines(chart) {
+    const {plot, lines, places} = chart, {ctx, bbox} = plot, ratio = devicePixelRatio;
+    ctx.save();
+    ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
+    ctx.font = `${12 * ratio}px system-ui, sans-serif`;
+    ctx.textAlign = "right";
+    let before = -Infinity;
+    for (const {at, name} of lines) {
+      const x = plot.valToPos(at, "x", true), room = x - before >= 13 * ratio, first = x - bbox.left < 14 * ratio;
+      ctx.strokeStyle = ctx.fillStyle = colour("dim");
+      ctx.lineWidth = ratio;
+      ctx.setLineDash([2 * ratio, 2 * ratio]);
+      ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
+      if (!room || x < bbox.left) continue;
+      before = x;
+      ctx.save();
+      ctx.translate(x, bbox.top);
+      ctx.rotate(-Math.PI / 2);
+      ctx.setLineDash([]);
+      ctx.strokeStyle = colour("paper");
+      ctx.lineWidth = 3 * ratio;
+      ctx.lineJoin = "round";
+      ctx.textBaseline = first ? "top" : "bottom";
+      for (const draw of ["strokeText", "fillText"]) ctx[draw](name, -4 * ratio, (first ? 3 : -3) * ratio);
+      ctx.restore();
+    }
+    ctx.fillStyle = colour("ink");
+    for (const at of places) {
+      const x = plot.valToPos(at, "x", true), low = bbox.top + bbox.height;
+      ctx.beginPath();
+      ctx.moveTo(x, low - 14 * ratio); ctx.lineTo(x - 7 * ratio, low); ctx.lineTo(x + 7 * ratio, low);
+      ctx.fill();
+    }
+    ctx.restore();
+  }
+
   function tell(chart) {
     const {plot, markers, tip} = chart, left = plot.cursor.left;
     const near = left < 0 ? [] : markers.filter(marker => Math.abs(plot.valToPos(marker.at, "x") - left) <= NEAR_PX);
@@ -204,7 +243,8 @@ const railhilCharts = (() => {
     if (title) element.append(Object.assign(document.createElement("p"), {className: "rc-title", textContent: title}));
     const tip = Object.assign(document.createElement("div"), {className: "rc-tip", hidden: true});
     parent.append(element);
-    const chart = {element, tip, sync: description.sync, markers: description.markers ?? []};
+    const chart = {element, tip, sync: description.sync, markers: description.markers ?? [], lines: description.lines ?? [],
+                   places: []};
     const height = description.height ?? (asTrack ? AXES_PX + ROW_PX * description.series.length : 200);
     const axis = {
       stroke: () => colour("dim"), grid: {stroke: () => colour("line"), width: 1}, font: FONT, labelFont: FONT,
@@ -218,7 +258,7 @@ const railhilCharts = (() => {
     chart.plot = new uPlot({
       width: Math.max(parent.clientWidth, 120), height,
       scales: {
-        x: {time: false},
+        x: {time: false, ...(x.range && {range: (plot, low, high) => (chart.zoomed ? [low, high] : x.range)})},
         y: asTrack ? {range: [0, 1]} : description.y ? {range: description.y} : {},
       },
       axes: [{...axis, size: 26, gap: 3, label: named(x.label, x.unit), labelSize: 18, labelGap: 0}, yAxis],
@@ -250,7 +290,7 @@ const railhilCharts = (() => {
         bind: {dblclick: () => () => { handle.zoom(); return null; }},
       },
       hooks: {
-        draw: [() => { drawMarkers(chart); if (asTrack) drawTracks(chart); }],
+        draw: [() => { drawMarkers(chart); drawLines(chart); if (asTrack) drawTracks(chart); }],
         setCursor: [() => tell(chart)],
         setSelect: [plot => {
           const {left, width} = plot.select;
@@ -264,6 +304,7 @@ const railhilCharts = (() => {
     element.append(tip);
 
     const whole = () => {
+      if (x.range) return x.range;
       const xs = group(chart).map(one => one.plot.data[0]).filter(one => one.length);
       return [Math.min(...xs.map(one => one[0])), Math.max(...xs.map(one => one[one.length - 1]))];
     };
@@ -276,6 +317,11 @@ const railhilCharts = (() => {
         });
       },
       setMarkers(markers) { chart.markers = markers; chart.plot.redraw(false); },
+      setPlaces(places) {
+        if (String(places) === String(chart.places)) return;
+        chart.places = places;
+        chart.plot.redraw(false);
+      },
       show(index, on) { chart.plot.setSeries(index + 1, {show: on}); },
       zoom(low, high) {
         const all = low === undefined, [least, most] = whole();
