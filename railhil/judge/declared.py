@@ -64,6 +64,14 @@ class Received:
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """A named place of a scenario, such as a stop; ``position``: in the unit of the truth's position."""
+
+    name: str
+    position: float
+
+
+@dataclass(frozen=True, slots=True)
 class Interlocks:
     """Signals of one port with the raw value that each has in normal operation."""
 

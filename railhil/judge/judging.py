@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from railhil.judge.criteria import Criterion, Extra, limited
-from railhil.judge.declared import Interlocks, Received, Watch, in_words, interface_received
+from railhil.judge.declared import Interlocks, Place, Received, Watch, in_words, interface_received
 from railhil.judge.score import Score
 from railhil.record.notes import Status, interface_status
 from railhil.record.sampling import drawn_trace
@@ -83,6 +83,9 @@ class Judging:
     good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values. ``shown``:
     further columns for the panel only, as ``columns``.
 
+    For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
+    a line with the place of the train. ``gauges``: names of columns that stand at first sight beside those with a role.
+
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.
 
@@ -117,6 +120,8 @@ class Judging:
     received: Callable[[Any], Sequence[Received]] = _nothing
     learned: tuple[SequenceMeasure, ...] = ()
     ends_at_m: Callable[[Any], float | None] = _no_place
+    places: Callable[[Any], Sequence[Place]] = _nothing
+    gauges: tuple[str, ...] = ()
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
@@ -134,7 +139,7 @@ def judging_of(scenario: AnyScenario) -> Judging:
             judging = replace(judging, received=lambda scenario: interface_received(interface))
     if isinstance(scenario, UnknownScenario):
         watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
-        judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, watches=watches)
+        judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, places=_nothing, watches=watches)
     return judging
 
 

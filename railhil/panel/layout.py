@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.dbc import Contract
+from railhil.judge.declared import Place
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import table_of
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences
@@ -55,7 +56,9 @@ class Layout:
     """The data that the page needs before the first value.
 
     ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
-    The tracking error is a column if there are speed and target.
+    ``gauges``: of the columns that stand at first sight beside these. The tracking error is a column if there are speed
+    and target. ``places``: named places of the line that is drawn with the place of the train, ``strip``: the columns
+    that are drawn over it; empty: there is none.
     """
 
     columns: tuple[ShownColumn, ...]
@@ -66,6 +69,9 @@ class Layout:
     target: int
     position: int
     command: int
+    gauges: tuple[int, ...] = ()
+    places: tuple[Place, ...] = ()
+    strip: tuple[int, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The JSON form for the page."""
@@ -97,7 +103,29 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     lamps = _make_lamps(judging, contract, len(columns))
     columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
     tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
-    return Layout(tuple(columns), _make_charts(columns, command), tracks, lamps, speed, target, position, command)
+    gauges = tuple(at for at, one in enumerate(columns) if one.name in judging.gauges)
+    places = tuple(judging.places(scenario)) if position >= 0 else ()
+    return Layout(
+        tuple(columns),
+        _make_charts(columns, command),
+        tracks,
+        lamps,
+        speed,
+        target,
+        position,
+        command,
+        gauges,
+        places,
+        _pick_strip(columns, speed, position) if places else (),
+    )
+
+
+def _pick_strip(columns: Sequence[ShownColumn], speed: int, position: int) -> tuple[int, ...]:
+    """The columns with the unit of the speed, or the position's alone if there is no speed."""
+    if speed < 0:
+        return (position,)
+    unit = columns[speed].unit
+    return tuple(at for at, one in enumerate(columns) if one.kind == SIGNAL and one.unit == unit and one.name != ERROR)
 
 
 def _make_column(name: str, unit: str) -> ShownColumn:

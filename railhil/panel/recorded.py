@@ -281,6 +281,8 @@ def merge_layouts(layouts: Sequence[Layout]) -> Layout:
         target=find_place(first, first.target),
         position=find_place(first, first.position),
         command=find_place(first, first.command),
+        gauges=tuple(dict.fromkeys(find_place(layout, at) for layout in layouts for at in layout.gauges)),
+        strip=tuple(dict.fromkeys(find_place(layout, at) for layout in layouts for at in layout.strip)),
     )
 
 

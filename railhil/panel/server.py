@@ -48,7 +48,7 @@ _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-act
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 #: Said behind the address where a person has started the panel alone.
 _ENDED_BY = " (Ctrl-C ends it)"
-_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js")
+_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js", "line.js")
 _OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
 _FILES = {

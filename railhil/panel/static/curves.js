@@ -111,17 +111,21 @@ export class Curves {
     }
   }
 
-  // The whole run, thinned, and less so between low and high.
   table(store, columns, low, high) {
     const x = this.overDistance ? store.values[this.layout.position] : store.times;
-    const series = columns.map((at) => store.values[at]);
-    const begin = Number.isFinite(low) ? place(x, store.rows, low) : 0;
-    const end = Number.isFinite(high) ? place(x, store.rows, high) : store.rows;
-    const parts = [[0, begin, OUTSIDE], [begin, end, PARTS], [end, store.rows, OUTSIDE]]
-      .filter(([from, to]) => to > from).map(([from, to, count]) => thinned(x, series, from, to, count));
-    if (parts.length === 1) return parts[0];
-    return [x, ...series].map((_, at) => parts.flatMap((part) => Array.from(part[at])));
+    return tableOver(x, store, columns, low, high);
   }
+}
+
+// The whole run over x, thinned, and less so between low and high.
+export function tableOver(x, store, columns, low, high) {
+  const series = columns.map((at) => store.values[at]);
+  const begin = Number.isFinite(low) ? place(x, store.rows, low) : 0;
+  const end = Number.isFinite(high) ? place(x, store.rows, high) : store.rows;
+  const parts = [[0, begin, OUTSIDE], [begin, end, PARTS], [end, store.rows, OUTSIDE]]
+    .filter(([from, to]) => to > from).map(([from, to, count]) => thinned(x, series, from, to, count));
+  if (parts.length === 1) return parts[0];
+  return [x, ...series].map((_, at) => parts.flatMap((part) => Array.from(part[at])));
 }
 
 function place(x, rows, value) {

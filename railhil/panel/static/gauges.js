@@ -21,8 +21,8 @@ export class Gauges {
     const { columns } = layout;
     const first = [layout.speed, layout.target, layout.command].filter((at) => at >= 0);
     const error = columns.findIndex((one) => one.name === "tracking_error_kmh");
-    const second = [error, layout.position, ...columns.map((_, at) => at)
-      .filter((at) => columns[at].kind === "note" || columns[at].kind === "level")].filter((at) => at >= 0 && !first.includes(at));
+    const second = [...new Set([error, layout.position, ...layout.gauges, ...columns.map((_, at) => at)
+      .filter((at) => columns[at].kind === "note" || columns[at].kind === "level")])].filter((at) => at >= 0 && !first.includes(at));
     const rest = columns.map((_, at) => at).filter((at) => columns[at].kind !== "lamp" && !first.includes(at) && !second.includes(at));
     runs.forEach((run, which) => {
       const box = element("div", { class: "run" });

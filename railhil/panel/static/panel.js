@@ -2,13 +2,14 @@
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
 import { FaultForm } from "./fault_form.js";
+import { Line } from "./line.js";
 import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
 const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
-  header: null, layout: null, stores: [], curves: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false,
+  header: null, layout: null, stores: [], curves: null, line: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false,
   learning: [], socket: null, token: "", pending: false, answers: new Map(), number: 0,
 };
 
@@ -97,6 +98,8 @@ function begin(header) {
   const charts = byId("charts");
   charts.replaceChildren();
   page.curves = new Curves(charts, page.layout, header.runs, page.stores, pick);
+  page.line?.destroy();
+  page.line = new Line(byId("line"), page.layout, header.runs, page.stores, pick);
   showLearning(header.learning ?? []);
   if (header.kind === "recorded") {
     const facts = header.runs.map((run) => run.facts.verdict).filter(Boolean);
@@ -125,6 +128,7 @@ function takeBatch(buffer) {
   counters.batches += 1;
   counters.rows += rows;
   page.curves.touch();
+  page.line.touch();
   if (page.picked !== null) requestAnimationFrame(() => page.curves.cursor(page.picked));
   showLater();
 }
@@ -141,7 +145,9 @@ function show() {
   if (!page.gauges) return;
   const end = Math.max(0, ...page.stores.map((store) => store.endS));
   const instant = page.picked ?? end;
-  page.gauges.show(page.stores, page.stores.map((store) => store.rowAt(instant + 1e-6)));
+  const rows = page.stores.map((store) => store.rowAt(instant + 1e-6));
+  page.gauges.show(page.stores, rows);
+  page.line.show(rows);
   const row = page.stores[0].rowAt(instant + 1e-6);
   showLamps(byId("lamps"), page.layout.lamps, page.layout.lamps.map((lamp) => (row < 0 ? NaN : page.stores[0].values[lamp.column][row])));
   const slider = byId("instant");
