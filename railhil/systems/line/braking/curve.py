@@ -22,13 +22,15 @@ class GradeNotHeldError(ValueError):
     :ivar found_mps2: the deceleration there.
     :ivar position_m: where the curve enters the piece, walked from the foot.
     :ivar speed_mps: its speed there.
+    :ivar brake: the word for the brake.
     """
 
-    def __init__(self, found_mps2: float, position_m: float, speed_mps: float) -> None:
-        super().__init__(found_mps2, position_m, speed_mps)
+    def __init__(self, found_mps2: float, position_m: float, speed_mps: float, brake: str = "emergency") -> None:
+        super().__init__(found_mps2, position_m, speed_mps, brake)
         self.found_mps2 = found_mps2
         self.position_m = position_m
         self.speed_mps = speed_mps
+        self.brake = brake
 
     def __str__(self) -> str:
         return f"{self.found_mps2:.3f} m/s2 at {self.position_m:g} m, {self.speed_mps * 3.6:g} km/h"

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from railhil.scenarios.profiles import Profile
 from railhil.systems.line.braking.brake import BrakeModel
-from railhil.systems.line.braking.curve import BrakingCurve, braking_curve
+from railhil.systems.line.braking.curve import BrakingCurve, GradeNotHeldError, braking_curve
 
 #: Largest acceleration that is assumed to go on while the emergency brake builds up.
 GROWTH_MAX_MPS2 = 0.4
@@ -220,7 +220,10 @@ class Braking:
         :raises GradeNotHeldError: the service brake does not hold a grade on the way.
         """
         brake = self.brake
-        curve = braking_curve(end_m, 0.0, brake.expected_steps(), self.gradients, self.fastest_mps)
+        try:
+            curve = braking_curve(end_m, 0.0, brake.expected_steps(), self.gradients, self.fastest_mps)
+        except GradeNotHeldError as error:
+            raise GradeNotHeldError(error.found_mps2, error.position_m, error.speed_mps, "service") from None
         return LimitCurve(curve, 0.0, LimitTimes.of(brake, brake.t_bs1_s))
 
 

@@ -7,24 +7,27 @@ fixed times of ``subset026`` are those of a public program that cites SUBSET-026
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import inf
+from itertools import cycle, pairwise
+from math import ceil, inf
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
 
+from railhil.common.errors import short_number
 from railhil.scenarios.profiles import Profile
 from railhil.scenarios.schema import NotNegative, Pairs, Positive, Table
 from railhil.scenarios.validation import Refuse
-from railhil.systems.ato.scenario.model import Train
+from railhil.systems.ato.scenario.model import Balise, Train
 from railhil.systems.line.braking.brake import BrakeModel, constant
 from railhil.systems.line.braking.limits import INCREMENTS, Increments
 
 ProfileName = Literal["metro", "subset026"]
 
 _KMH = 3.6
+#: Numbers of the protection's own balises.
+_OWN_NUMBERS = range(201, 256)
 _EMERGENCY_MPS2, _K_DRY, _K_WET, _SERVICE_MPS2 = map(constant, (1.2, 0.85, 0.9, 0.9))
 
 
@@ -35,6 +38,7 @@ class Protection:
     Brakes and factors are step functions ``(from_mps, value)``, each value valid from its speed on.
 
     :ivar t_be_s: equivalent dead time of the emergency brake: at least its dead time plus its lag.
+    :ivar balise_spacing_m: the protection has balises of its own where those of the line lie further apart; 0: none.
     :ivar rotating_percent: rotating masses, in percent; None: not known.
     :ivar heed_atp: the controller takes traction off before it would reach the permitted speed.
     """
@@ -63,6 +67,7 @@ class Protection:
     over_reading: float = 0.02
     under_reading: float = 0.02
     balise_accuracy_m: float = 0.5
+    balise_spacing_m: float = 300.0
     ato_margin_m: float = 2.0
     ato_margin_mps: float = 1 / _KMH
     heed_atp: bool = False
@@ -152,6 +157,7 @@ class AtpTable(Table):
     over_reading: _Reading | None = None
     under_reading: _Reading | None = None
     balise_accuracy_m: Positive | None = None
+    balise_spacing_m: NotNegative | None = None
     ato_margin_m: NotNegative | None = None
     ato_margin_kmh: NotNegative | None = None
     heed_atp: bool = False
@@ -191,15 +197,15 @@ def check_protection(protection: Protection, refuse: Refuse) -> None:
     for key in AtpTable.STEPS:
         rows: Profile = getattr(protection, key)
         if rows[0][0] != 0.0:
-            raise refuse(("atp", key, 0), [rows[0][0] * _KMH, rows[0][1]], "the first row from 0 km/h on")
+            raise refuse(("atp", key, 0), [short_number(rows[0][0] * _KMH), rows[0][1]], "the first row from 0 km/h on")
         for row, (before, after) in enumerate(pairwise(rows), start=1):
             if after[0] <= before[0]:
                 allowed = f"more than {before[0] * _KMH:g}: rows are in increasing order"
-                raise refuse(("atp", key, row), after[0] * _KMH, allowed)
+                raise refuse(("atp", key, row), short_number(after[0] * _KMH), allowed)
         most = 1.0 if key.startswith("k_") else inf
         for row, (_, value) in enumerate(rows):
             if not 0.0 < value <= most:
-                raise refuse(("atp", key, row), value, f"above 0{', at most 1' if most == 1.0 else ''}")
+                raise refuse(("atp", key, row), short_number(value), f"above 0{', at most 1' if most == 1.0 else ''}")
 
 
 def check_overlaps(eoa_overlap_m: float, svl_overlap_m: float, key: tuple[str | int, ...], refuse: Refuse) -> None:
@@ -209,5 +215,23 @@ def check_overlaps(eoa_overlap_m: float, svl_overlap_m: float, key: tuple[str | 
     :raises InputError: it does.
     """
     if eoa_overlap_m > svl_overlap_m:
-        found = int(eoa_overlap_m) if eoa_overlap_m.is_integer() else eoa_overlap_m
-        raise refuse(key, found, f"at most svl_overlap_m = {svl_overlap_m:g}")
+        raise refuse(key, short_number(eoa_overlap_m), f"at most svl_overlap_m = {svl_overlap_m:g}")
+
+
+def protection_balises(spacing_m: float, balises: Iterable[Balise], from_m: float, to_m: float) -> tuple[Balise, ...]:
+    """The protection's own balises between two places: none lies further than ``spacing_m`` from the one before.
+
+    They lie exactly where they are surveyed. Numbers repeat; the interval of the position tells them apart.
+
+    :param spacing_m: 0: none.
+    :param balises: those of the line.
+    """
+    if spacing_m <= 0.0:
+        return ()
+    known_m = sorted({from_m, to_m, *(one.surveyed_m for one in balises if from_m <= one.surveyed_m <= to_m)})
+    places_m = []
+    for before_m, after_m in pairwise(known_m):
+        parts = ceil((after_m - before_m) / spacing_m)
+        places_m += [before_m + (after_m - before_m) * part / parts for part in range(1, parts)]
+    numbers = cycle(_OWN_NUMBERS)
+    return tuple(Balise(number, at_m, at_m) for number, at_m in zip(numbers, places_m, strict=False))

@@ -1,0 +1,197 @@
+"""Target curves below the train protection: ``ato_margin_m`` before its curves, ``ato_margin_kmh`` below its ceilings.
+
+Read at a scenario's load, and by tests for the smallest gaps of a curve.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf
+
+import numpy as np
+
+from railhil.common.errors import Finding, short_number
+from railhil.scenarios.validation import Refuse
+from railhil.systems.ato.scenario.model import Line, TargetCurve, Train
+from railhil.systems.ato.scenario.target import target_of
+from railhil.systems.line.braking.curve import DECELERATION_MIN_MPS2, GradeNotHeldError
+from railhil.systems.line.braking.limits import Braking
+from railhil.systems.line.braking.track import SpeedTarget, TrackLimits
+from railhil.systems.line.scenario.model import LineScenario, Section
+from railhil.systems.line.scenario.protection import Protection, protection_balises
+
+#: A red signal's supervised location lies this far behind it.
+SIGNAL_OVERLAP_M = 20.0
+#: A target curve is looked at this often.
+_SAMPLE_S = 0.2
+#: Indices of ``LimitCurve.times``; the EBI itself has no time.
+_SERVICE, _WARNING, _PERMITTED = range(3)
+#: Speeds are compared to this accuracy.
+_ROUNDING_MPS = 1e-9
+_KMH = 3.6
+
+
+@dataclass(frozen=True, slots=True)
+class Gaps:
+    """Smallest ways of a target curve to the limits before the next stop, and to those before lower limits, in m.
+
+    ``ceiling_mps`` is the smallest speed left below the ceilings.
+    """
+
+    permitted_m: float
+    warning_m: float
+    service_m: float
+    emergency_m: float
+    lower_limit_m: float
+    ceiling_mps: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Sample:
+    """A target curve at one instant, and the interval that the protection has of its position."""
+
+    speed_mps: float
+    accel_mps2: float
+    least_m: float
+    estimated_m: float
+    most_m: float
+
+    def gap_m(self, target: SpeedTarget, which: int | None) -> float:
+        """Way to a limit of a target; infinite at speeds that it permits."""
+        speed_mps = self.speed_mps
+        if speed_mps <= target.floor.permitted_mps:
+            return inf
+        emergency, service = target.emergency, target.service
+        lead_s = 0.0 if which is None else emergency.times[which]
+        gap_m = emergency.place_m(speed_mps, lead_s, self.accel_mps2) - self.most_m
+        if service is None or which is None:
+            return gap_m
+        return min(gap_m, service.place_m(speed_mps, service.times[which]) - self.estimated_m)
+
+    def permitted_mps(self, target: SpeedTarget, fastest_mps: float) -> float:
+        """Permitted speed before a target at this place."""
+        emergency, service = target.emergency, target.service
+        found_mps = emergency.speed_mps(self.most_m, emergency.times[_PERMITTED], fastest_mps, self.accel_mps2)
+        if service is not None:
+            lead_s = service.times[_PERMITTED]
+            found_mps = min(found_mps, service.speed_mps(self.estimated_m, lead_s, fastest_mps))
+        return max(found_mps, target.floor.permitted_mps)
+
+
+@lru_cache(maxsize=8)
+def track_of(protection: Protection, train: Train, leg: Line) -> TrackLimits:
+    """Ceilings and targets of a leg, made once for equal arguments.
+
+    :raises GradeNotHeldError: the emergency brake does not hold a grade before a lower limit.
+    """
+    brake = protection.brake_model(train.gravity_mps2)
+    braking = Braking(brake, brake.gradient_steps(leg.grade_permil, train.length_m), train.speed_limit_mps)
+    return TrackLimits(braking, protection.increments_mps, leg.speed_limit_mps, train.length_m, train.speed_limit_mps)
+
+
+def find_gaps(line: LineScenario, index: int, curve: TargetCurve) -> Gaps:
+    """How near a target curve of a section comes to the limits.
+
+    :param index: number of the section, from 0.
+    :raises GradeNotHeldError: a brake does not hold a grade on the way.
+    """
+    section = line.sections[index]
+    track = track_of(line.atp, line.train, line.legs[section.leg])
+    end = _end_target(line, section, track)
+    least = [inf] * 4
+    lower_m = ceiling_mps = inf
+    for sample in _samples(line, section, curve):
+        for row, which in enumerate((_PERMITTED, _WARNING, _SERVICE, None)):
+            least[row] = min(least[row], sample.gap_m(end, which))
+        for target in track.lower:
+            if target.place_m > sample.most_m:
+                lower_m = min(lower_m, sample.gap_m(target, _PERMITTED))
+        ceiling = track.ceiling(sample.least_m, sample.most_m)
+        ceiling_mps = min(ceiling_mps, ceiling.permitted_mps - sample.speed_mps)
+    return Gaps(least[0], least[1], least[2], least[3], lower_m, ceiling_mps)
+
+
+def check_targets(line: LineScenario, refuse: Refuse) -> None:
+    """Every target curve keeps the margins of the protection, and its brakes hold every grade on the way.
+
+    :raises InputError: with the section, its worst place and speed, and the speed that is allowed there.
+    """
+    if not line.atp.enabled:
+        return
+    try:
+        for leg in line.legs:
+            track_of(line.atp, line.train, leg)
+        for signal in line.signals:
+            track = track_of(line.atp, line.train, line.legs[signal.leg])
+            track.end_target(signal.position_m, signal.position_m + SIGNAL_OVERLAP_M, 0.0, 0.0)
+        for section in line.sections:
+            for curve in (section.target, *section.profiles):
+                _check_target(line, section, curve, refuse)
+    except GradeNotHeldError as error:
+        quantity = {"emergency": "A_safe", "service": "A_expected"}[error.brake]
+        place, speed = short_number(round(error.position_m, 1)), short_number(round(error.speed_mps * _KMH, 1))
+        raise refuse(
+            ("atp",),
+            Finding(f"{quantity} {error.found_mps2:.3f} m/s2 at {place} m, {speed} km/h"),
+            f"above {DECELERATION_MIN_MPS2}: the {error.brake} brake does not hold this grade",
+        ) from None
+
+
+def _check_target(line: LineScenario, section: Section, curve: TargetCurve, refuse: Refuse) -> None:
+    protection = line.atp
+    track = track_of(protection, line.train, line.legs[section.leg])
+    targets = [_end_target(line, section, track), *track.lower]
+    worst: tuple[float, _Sample, float] | None = None
+    for sample in _samples(line, section, curve):
+        for permitted_mps in _limits_broken(sample, track, targets, protection):
+            if worst is None or sample.speed_mps - permitted_mps > worst[0]:
+                worst = sample.speed_mps - permitted_mps, sample, permitted_mps
+    if worst is not None:
+        _, sample, permitted_mps = worst
+        allowed_mps = max(permitted_mps - protection.ato_margin_mps, 0.0)
+        name = f"target {line.stops[section.departure].name} - {line.stops[section.arrival].name}"
+        raise refuse(
+            (name,),
+            Finding(f"{sample.speed_mps * _KMH:.1f} km/h at {sample.estimated_m:.0f} m"),
+            f"{allowed_mps * _KMH:.1f} km/h (atp: permitted {permitted_mps * _KMH:.1f} less ato_margin_kmh)",
+        )
+
+
+def _limits_broken(
+    sample: _Sample, track: TrackLimits, targets: list[SpeedTarget], protection: Protection
+) -> Iterator[float]:
+    """Permitted speed of each limit to which a curve keeps no margin."""
+    ceiling_mps = track.ceiling(sample.least_m, sample.most_m).permitted_mps
+    if sample.speed_mps + protection.ato_margin_mps > ceiling_mps + _ROUNDING_MPS:
+        yield ceiling_mps
+    for target in targets:
+        is_ahead = target.matters_from_m <= sample.most_m < target.place_m
+        if is_ahead and sample.gap_m(target, _PERMITTED) < protection.ato_margin_m:
+            yield sample.permitted_mps(target, ceiling_mps)
+
+
+def _end_target(line: LineScenario, section: Section, track: TrackLimits) -> SpeedTarget:
+    stop, protection = line.stops[section.arrival], line.atp
+    eoa_m, svl_m = stop.position_m + stop.eoa_overlap_m, stop.position_m + stop.svl_overlap_m
+    return track.end_target(eoa_m, svl_m, protection.d_trip_m, protection.v_release_mps).target
+
+
+def _samples(line: LineScenario, section: Section, curve: TargetCurve) -> Iterator[_Sample]:
+    """A target curve until its stop; the interval is that behind the last balise, with an exact odometer."""
+    protection, target = line.atp, target_of(curve)
+    from_m, to_m = line.stops[section.departure].position_m, line.stops[section.arrival].position_m
+    balises = line.legs[section.leg].balises
+    own = protection_balises(protection.balise_spacing_m, balises, from_m, to_m)
+    known_m = sorted({from_m, *(one.surveyed_m for one in (*balises, *own) if from_m < one.surveyed_m <= to_m)})
+    time_s = np.arange(0.0, target.stop_time_s, _SAMPLE_S)
+    speeds, accels = target.speed_mps(time_s).tolist(), target.accel_mps2(time_s).tolist()
+    places = (target.position_m(time_s) + from_m).tolist()
+    for speed_mps, accel_mps2, at_m in zip(speeds, accels, places, strict=True):
+        balise_m = known_m[max(bisect_right(known_m, at_m) - 1, 0)]
+        since_m, accuracy_m = at_m - balise_m, protection.balise_accuracy_m
+        least_m = balise_m + since_m / (1.0 + protection.over_reading) - accuracy_m
+        most_m = balise_m + since_m / (1.0 - protection.under_reading) + accuracy_m
+        yield _Sample(max(speed_mps, 0.0), accel_mps2, least_m, at_m, most_m)
