@@ -30,6 +30,7 @@ LINE = System(
     law="ipfc_plus",
     judging="railhil.systems.ato.judge.judging:JUDGING",
     pictures="railhil.systems.ato.panels:pictures",
+    bound="railhil.systems.line.energy:list_bounds",
     events=EVENTS,
     truth=Truth(
         port="SIM_TRUTH",
