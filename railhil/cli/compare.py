@@ -196,7 +196,7 @@ def work(namespace: argparse.Namespace) -> int:
     assert folder is not None
     found = [run for _, run in runs]
     document = write_comparison(folder, scenario, plan[0], runs, notes)
-    print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
+    print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found], every_stop=False)
     report = "" if namespace.no_report else report_line(found, folder, notes)
     sign_list(folder, namespace.sign)
     if remark := found[0].judging.remark([run.score for run in found]):

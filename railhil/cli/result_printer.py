@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from shlex import quote
 
+from rich.measure import Measurement
 from rich.table import Table
 
 from railhil.common.digits import count_of
@@ -15,6 +17,7 @@ from railhil.judge.judging import judging_of
 from railhil.judge.record import Record
 from railhil.judge.result import Result
 from railhil.judge.score import Score
+from railhil.judge.stops import ScoredStop, worst_stop
 from railhil.record.hash_list import REPORT
 from railhil.report.facts import answers_sentence, jitter_sentence, parameters_sentence, scheduling_sentence
 from railhil.report.tables import published_text
@@ -42,15 +45,52 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
     return rows
 
 
-def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
-    """Title and table of completed runs, nothing if there are none; then the stops of runs with several."""
+def stop_table(stops: Sequence[ScoredStop], tight: bool) -> Table:
+    """One line for each stop: what a terminal has room for."""
+    rows = table(tight)
+    rows.add_column("stop")
+    for column in stops[0].headed:
+        if column.brief:
+            rows.add_column(column.heading, justify="right")
+    rows.add_column("", no_wrap=True)
+    for stop in stops:
+        cells = (column.text for column in stop.headed if column.brief)
+        rows.add_row(stop.planned.name, *cells, stop.verdict, style="bold red" if stop.missed else None)
+    return rows
+
+
+def _fitting(console: Output, make: Callable[[bool], Table]) -> Table:
+    """A table with less space between its columns where the console is too narrow."""
+    made = make(console.width < _TIGHT_COLUMNS)
+    return make(True) if Measurement.get(console, console.options, made).minimum > console.width else made
+
+
+def print_scores(
+    console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]], *, every_stop: bool = True
+) -> None:
+    """Title and table of completed runs, nothing if there are none; then the stops of runs with several. Stops with
+    more than place and time come first, in a table for each run.
+
+    :param every_stop: False: of stops with more than place and time only the worst of each run, in a line.
+    """
     if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
-        console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
+        for _, score in found:
+            if every_stop and (stops := score.listed_stops) and stops[0].columns:
+                console.print(_fitting(console, partial(stop_table, stops)))
+        console.print(_fitting(console, lambda tight: score_table(scenario, found, tight)))
     for label, score in found:
-        for stop in score.listed_stops:
-            error = "" if stop.error_m is None else f" {stop.error_m:+.4f} m"
-            console.say(f"{label}: stop {stop.planned.name}{error} {stop.verdict}")
+        stops = score.listed_stops
+        if not stops or not stops[0].columns:
+            for stop in stops:
+                _print_stop(console, f"{label}: stop", stop)
+        elif not every_stop and (worst := worst_stop(stops)) is not None:
+            _print_stop(console, f"{label}: worst stop", worst)
+
+
+def _print_stop(console: Output, label: str, stop: ScoredStop) -> None:
+    error = "" if stop.error_m is None else f" {stop.error_m:+.4f} m"
+    console.say(f"{label} {stop.planned.name}{error} {stop.verdict}")
 
 
 def print_watch(console: Output, scenario: AnyScenario) -> None:

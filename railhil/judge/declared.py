@@ -25,7 +25,8 @@ class Watch:
     sentences; empty: nothing. ``port``, ``level``, ``cause``: the telegram and its signals; the wire contract has the
     words of both. ``ladder``: raw values of the level from normal to the strongest reaction; others are no reaction (a
     controller that initialises). ``start``: causes for which the first level of a run is no reaction but the normal
-    start. ``said``: (scenario, level, cause) -> the cause in words.
+    start. ``said``: (scenario, level, cause) -> the cause in words. ``quiet``: levels of the ladder that are no
+    reaction either, such as an indication to the driver.
     """
 
     name: str
@@ -36,6 +37,11 @@ class Watch:
     ladder: tuple[int, ...]
     start: frozenset[str] = frozenset()
     said: Callable[[Any, str, str], str] = in_words
+    quiet: frozenset[int] = frozenset()
+
+    def is_normal(self, level: int) -> bool:
+        """Whether a level is no reaction."""
+        return level == self.ladder[0] or level in self.quiet
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,12 +30,16 @@ def incomplete(trace: Trace, truth: str) -> str:
 
     :param truth: the port that shows the train.
     """
-    return _hole(trace, truth) or milestone_missing(trace)
+    return hole(trace, truth) or milestone_missing(trace)
 
 
-def _hole(trace: Trace, truth: str) -> str:
-    """A time without the train, at the start of the record, within it or at its end."""
-    shown_s = trace.times_s(truth)
+def hole(trace: Trace, *shown: str) -> str:
+    """A time without any telegram of some ports, at the start of the record, within it or at its end, as a reason;
+    empty if none is longer than :data:`~railhil.faults.truth.HOLE_MAX_S`.
+
+    :param shown: ports of which each shows what a verdict needs.
+    """
+    shown_s = np.sort(np.concatenate([trace.times_s(port) for port in shown]))
     begun_s = min(times_s[0] for port in trace.contract.ports if len(times_s := trace.times_s(port.name)))
     time_s = np.concatenate([[begun_s], shown_s, [trace.end_s]])
     gaps_s = np.diff(time_s)
@@ -43,7 +47,7 @@ def _hole(trace: Trace, truth: str) -> str:
     if gaps_s[longest] <= HOLE_MAX_S:
         return ""
     gap = f"{text_beside_limit(gaps_s[longest], HOLE_MAX_S, 2)} s from {time_s[longest]:.2f} s on"
-    return f"{UNCLEAR}no {truth} for {gap}, allowed {HOLE_MAX_S:g} s"
+    return f"{UNCLEAR}no {' or '.join(shown)} for {gap}, allowed {HOLE_MAX_S:g} s"
 
 
 def milestone_missing(trace: Trace) -> str:

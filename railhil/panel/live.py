@@ -88,7 +88,8 @@ class LiveEvents:
                 word = trace.word(watch.port, watch.level, level)
                 why = trace.word(watch.port, watch.cause, cause) if has_cause else ""
                 text = word.replace("_", " ")
-                rank = watch.ladder.index(level) if level in watch.ladder and why not in watch.start else 0
+                is_reaction = level in watch.ladder and not watch.is_normal(level) and why not in watch.start
+                rank = watch.ladder.index(level) if is_reaction else 0
                 if rank and why:
                     text += f": {watch.said(self._scenario, word, why)}"
                 found.append(self.add(time_s, "level", watch.name, text, rank))

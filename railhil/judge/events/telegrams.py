@@ -290,7 +290,7 @@ def watch_events(scenario: AnyScenario, trace: Trace, watch: Watch, end_s: float
     for first, after in pairwise([*firsts, len(levels)]):
         level, begun_s = int(levels[first]), float(time_s[first])
         until_s = float(time_s[after]) if after < len(levels) else end_s
-        if level == watch.ladder[0]:
+        if watch.is_normal(level):
             continue
         word = trace.word(watch.port, watch.level, level)
         cause = trace.word(watch.port, watch.cause, int(causes[first])) if has_cause else ""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge import measures
@@ -47,7 +46,7 @@ def energy_share_percent(work_kj: float, bound_kj: float) -> float:
     return 100 * work_kj / bound_kj if bound_kj > 0.0 else inf
 
 
-def _read_truth(trace: Trace, from_s: float, to_s: float) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+def _read_truth(trace: Trace, from_s: float, to_s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times (s) and speeds (m/s) between two times, and the rows of the telegrams; one recorded twice counts once."""
     time_s = trace.times_s(_TRUTH)
     fresh = np.diff(time_s, prepend=-1.0) > 0

@@ -69,7 +69,7 @@ class _LateUnseen(Unseen):
         return self._ages_ms[level] / 1e3 if self._is_realtime else 0.0
 
 
-def broken(scenario: Scenario, trace: Trace) -> list[str]:
+def broken(scenario: Scenario, trace: Trace, limits_mps: FloatArray | None = None) -> list[str]:
     """One sentence for the first breach of each rule, with those of :mod:`railhil.judge.counters`; empty for a run
     that keeps them. A sentence that begins with :data:`railhil.judge.record_checks.UNCLEAR` names the gap of the
     record.
@@ -79,7 +79,12 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     the order of the controller's levels is not checked either. A traction drive with a fault does not obey the train's
     watch: its traction is checked from EMERGENCY on, where the main breaker opens. With a fault of the adhesion the
     notch in effect is checked in place of the force at the rail, because spinning wheels then make this force.
+
+    :param limits_mps: speed limit at each SIM_TRUTH, shape (n,); None: by the scenario's line.
     """
+    if limits_mps is None:
+        position_m = trace.values(SimTruth.PORT, "TruePos")
+        limits_mps = limits_under_train(scenario.line.speed_limit_mps, position_m, scenario.train.length_m)
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = unreconciled(scenario, trace)
     items = {item.port: item for item in received(scenario)}
@@ -89,7 +94,7 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     if not _is_out_of_step(scenario):
         found += _left_early_by_controller(trace, items, unseen)
     if has_watch and trace.count(TrnWatch.PORT):
-        found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
+        found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace, limits_mps)]
         found += _left_early_by_train(trace, items, unseen)
     elif has_watch and trace.count(PltIdent.PORT):
         # A run without a bus has none of these telegrams.
@@ -192,10 +197,8 @@ def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
         )
 
 
-def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
+def _overspeed(scenario: Scenario, trace: Trace, limits_mps: FloatArray) -> Iterator[str]:
     time_s, speed_mps = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TrueSpeed")
-    position_m = trace.values(SimTruth.PORT, "TruePos")
-    limits_mps = limits_under_train(scenario.line.speed_limit_mps, position_m, scenario.train.length_m)
     most_mps = np.minimum(limits_mps, scenario.train.speed_limit_mps) + scenario.watch.overspeed_margin_mps
     beyond = speed_mps > most_mps + _SPEED_SLACK_MPS
     if not beyond.any():

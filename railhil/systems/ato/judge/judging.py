@@ -77,11 +77,11 @@ def facts(run: Record) -> list[tuple[str, str]]:
     return [
         ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
         ("Stopped", _signed(run)),
-        ("Telegrams counted", _counted(run)),
+        ("Telegrams counted", counted_sentence(run)),
     ]
 
 
-def _counted(run: Record) -> str:
+def counted_sentence(run: Record) -> str:
     """Whether the nodes' own counters of telegrams agree with the record."""
     if silent := unchecked(run.trace):
         return f"not checked against the record: the {silent} did not report"

@@ -110,7 +110,7 @@ def _unscored(reason: str, ended: str) -> Score:
     return Score("INVALID", *unscored(CRITERIA), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
-def _silences_controller(fault: Fault) -> bool:
+def silences_controller(fault: Fault) -> bool:
     """Whether a run with this fault may end without a controller."""
     place = fault.place
     if place.level == "node":
@@ -127,23 +127,37 @@ def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray,
     stopped = np.flatnonzero(codes == Event.STOPPED)
     instants_s, places_m = (trace.values(RunEvent.PORT, name)[stopped] for name in ("EventTime", "EventPos"))
     for instant_s, place_m in zip(instants_s, places_m, strict=True):
-        after = min(int(np.searchsorted(time_s, instant_s + STAMP_ERROR_MAX_S)), len(time_s) - 1)
-        before = max(int(np.searchsorted(time_s, instant_s - STAMP_ERROR_MAX_S)) - 1, 0)
-        allowed_mps = ACCEL_MAX_MPS2 * max(STAMP_ERROR_MAX_S, time_s[after] - instant_s)
-        if speed_mps[after] > allowed_mps:
-            return (
-                f"{UNCLEAR}STOPPED at {instant_s:.2f} s, but SIM_TRUTH shows {speed_mps[after]:.2f} m/s "
-                f"at {time_s[after]:.2f} s"
-            )
-        if not position_m[before] - 2 * _LSB_M <= place_m <= position_m[after] + 2 * _LSB_M:
-            return (
-                f"{UNCLEAR}STOPPED at {place_m:.2f} m, but SIM_TRUTH shows the train at {position_m[after]:.2f} m "
-                f"at {time_s[after]:.2f} s"
-            )
+        if unclear := standstill_denied("STOPPED", instant_s, place_m, time_s, position_m, speed_mps):
+            return unclear
     stands_s = _first_stand_s(time_s, position_m, speed_mps)
     # The milestone may lie anywhere within the standstill: a creeping train reads 0 before it has stopped.
     if stands_s is not None and not np.any(instants_s <= stands_s[1] + STAMP_ERROR_MAX_S):
         return f"{UNCLEAR}no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s[0]:.2f} s on"
+    return ""
+
+
+def standstill_denied(
+    name: str, instant_s: float, place_m: float, time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray
+) -> str:
+    """The contradiction between a milestone that says the train stands and SIM_TRUTH, as a reason; empty if they agree.
+
+    :param name: of the milestone.
+    :param instant_s, place_m: what it says.
+    :param time_s: of each SIM_TRUTH, as in :func:`standstill_unclear`.
+    """
+    after = min(int(np.searchsorted(time_s, instant_s + STAMP_ERROR_MAX_S)), len(time_s) - 1)
+    before = max(int(np.searchsorted(time_s, instant_s - STAMP_ERROR_MAX_S)) - 1, 0)
+    allowed_mps = ACCEL_MAX_MPS2 * max(STAMP_ERROR_MAX_S, time_s[after] - instant_s)
+    if speed_mps[after] > allowed_mps:
+        return (
+            f"{UNCLEAR}{name} at {instant_s:.2f} s, but SIM_TRUTH shows {speed_mps[after]:.2f} m/s "
+            f"at {time_s[after]:.2f} s"
+        )
+    if not position_m[before] - 2 * _LSB_M <= place_m <= position_m[after] + 2 * _LSB_M:
+        return (
+            f"{UNCLEAR}{name} at {place_m:.2f} m, but SIM_TRUTH shows the train at {position_m[after]:.2f} m "
+            f"at {time_s[after]:.2f} s"
+        )
     return ""
 
 
@@ -178,7 +192,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
-    if any(map(_silences_controller, parse_faults(scenario.faults))):
+    if any(map(silences_controller, parse_faults(scenario.faults))):
         # The fault was requested: the train's run without the controller is judged.
         whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:

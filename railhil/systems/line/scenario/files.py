@@ -20,6 +20,7 @@ from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.curves import find_targets
 from railhil.systems.line.scenario.legs import LaidRoute, lay_route, list_overruns
 from railhil.systems.line.scenario.protection import Protection
+from railhil.systems.line.scenario.statement import STATEMENT
 from railhil.systems.line.scenario.timetable import make_timetable
 
 _TAGS = (*TRAIN_TAGS, *FAULT_TAGS, *schema.COUNT_TAGS)
@@ -83,6 +84,7 @@ def read_line_scenario(
             *laid.remarks,
             *list_overruns(laid, timetable.stops),
             *file.assumptions,
+            *STATEMENT,
         ),
         faults=faults,
         legs=laid.legs,

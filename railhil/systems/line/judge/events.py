@@ -1,0 +1,62 @@
+"""Sources of the events of the system ``line``: those of the train, its protection, and the telegrams of doors and
+stations.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from railhil.judge.declared import Interlocks, Received, Watch
+from railhil.systems.ato.judge import events as of_train
+from railhil.systems.line.scenario.model import LineScenario
+from railhil.wire.ato import PltStat
+from railhil.wire.line import AtpLim, AtpStatus, DoorCmd, DoorStat, StnInfo
+
+_CAUSES: Final = {
+    "ceiling": "above the speed limit",
+    "target": "above the curve to the end of authority or a lower limit",
+    "release": "above the release speed",
+    "trip": "passed the end of authority",
+    "position": "position not sure",
+    "doors": "doors not locked in motion",
+    "roll_away": "rolled away at standstill",
+    "self_test": "its own fault",
+    "red_signal": "red signal or no authority",
+}
+
+
+def protection_cause(scenario: LineScenario, level: str, cause: str) -> str:
+    """Cause of a reaction of the train protection, in words."""
+    return _CAUSES.get(cause, cause.replace("_", " "))
+
+
+#: An indication, and a train just above the permitted speed, are no reaction.
+PROTECTION: Final = Watch(
+    "protection",
+    "train protection's",
+    AtpLim.PORT,
+    "AtpStatus",
+    "",
+    (AtpStatus.NORMAL, AtpStatus.INDICATION, AtpStatus.OVERSPEED, AtpStatus.WARNING, AtpStatus.INTERVENTION),
+    said=protection_cause,
+    quiet=frozenset({AtpStatus.INDICATION, AtpStatus.OVERSPEED}),
+)
+WATCHES: Final = (*of_train.WATCHES, PROTECTION)
+#: Of the train status all but the doors, which open at each stop: DOOR_STAT and the milestones show them.
+INTERLOCKS: Final = tuple(
+    Interlocks(
+        item.port,
+        {name: normal for name, normal in item.normal.items() if name not in ("DoorsClosedLocked", "TractionEnabled")},
+    )
+    if item.port == PltStat.PORT
+    else item
+    for item in of_train.INTERLOCKS
+)
+
+
+def received(scenario: LineScenario) -> tuple[Received, ...]:
+    """Telegrams that controller and train accept only after a check of their content."""
+    return (
+        *of_train.received(scenario),
+        *(Received.of(kind) for kind in (DoorStat, StnInfo, AtpLim, DoorCmd)),
+    )

@@ -1,0 +1,124 @@
+"""Judging and presentation of records of the system ``line``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from railhil.common.command_line import LAW_WITH_POSITION
+from railhil.common.digits import count_of, text_beside_limit
+from railhil.judge.judging import Judging
+from railhil.judge.record import Record
+from railhil.judge.score import Score
+from railhil.judge.stops import worst_stop
+from railhil.record.notes import WRAP_FAILURE
+from railhil.systems.ato.judge import judging as of_train
+from railhil.systems.ato.judge.criteria import OVERSPEED
+from railhil.systems.ato.judge.events import STATUS
+from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS, INTERVENTIONS, WARNINGS
+from railhil.systems.line.judge.events import INTERLOCKS, WATCHES, received
+from railhil.systems.line.judge.score import score
+from railhil.systems.line.scenario.model import LineScenario
+from railhil.wire.ato import SimTruth, TrkInfo
+from railhil.wire.line import AtoStat, AtpLim, AtpStat, DoorStat, StnInfo
+
+#: Columns of ``signals.csv`` after those of a train.
+COLUMNS = (
+    *of_train.COLUMNS,
+    ("station", StnInfo.PORT, "StationHere"),
+    ("section", StnInfo.PORT, "Section"),
+    ("left_doors", DoorStat.PORT, "LeftState"),
+    ("right_doors", DoorStat.PORT, "RightState"),
+    ("dwell_left_s", DoorStat.PORT, "DwellLeft"),
+    ("permitted_mps", AtpLim.PORT, "PermittedSpeed"),
+    ("ebi_mps", AtpStat.PORT, "EbiSpeed"),
+    ("protection_level", AtpLim.PORT, "AtpStatus"),
+    ("distance_left_m", AtoStat.PORT, "DistanceLeft"),
+)
+
+
+def asked(scenario: LineScenario) -> str:
+    """The requirements on the run."""
+    route, served = scenario.route, [stop for stop in scenario.stops if stop.service != "pass"]
+    passed = len(scenario.stops) - len(served)
+    errors_m = sorted({stop.stop_error_max_m for stop in served[1:]})
+    allowed_m = " to ".join(f"{error_m:.10g}" for error_m in errors_m[:: max(1, len(errors_m) - 1)])
+    return (
+        f"{scenario.plan.distance_m:g} m in {scenario.plan.running_time_s:g} s, "
+        f"{count_of(len(served), 'stop')}{f', {passed} passed' if passed else ''}; allowed ±{allowed_m} m and "
+        f"±{route.arrival_error_max_s:.10g} s at each, {route.departure_late_max_s:.10g} s of own delay"
+    )
+
+
+def checks(scenario: LineScenario, found: Score) -> list[tuple[str, str]]:
+    """Requirements besides the limits of the stops."""
+    over_mps = found.extras[OVERSPEED.key]
+
+    def first(*words: str) -> str:
+        return next((text for text in found.failures if any(word in text for word in words)), "")
+
+    return [
+        ("overspeed", f"{text_beside_limit(over_mps, 0, 3)} m/s" if over_mps > 0 else ""),
+        ("no_protection_intervention", first("train protection intervened")),
+        ("no_emergency_brake", first("emergency brake at")),
+        ("doors_only_in_the_window", first("invariant 8")),
+        ("invariants", first("invariant")),
+        ("no_wrap", first(WRAP_FAILURE)),
+    ]
+
+
+def counted(found: Sequence[Score]) -> dict[str, object]:
+    """The worst stop of each run, in the form of ``compare.json``."""
+    stops = [worst_stop(one.stops) for one in found]
+    return {"worst_stops": [None if stop is None else stop.as_json() for stop in stops]}
+
+
+def facts(run: Record) -> list[tuple[str, str]]:
+    """Train, line, timetable and protection of the run."""
+    scenario, extras = run.scenario, run.score.extras
+    atp = scenario.atp
+    curves = (
+        f"warned {count_of(int(extras[WARNINGS.key]), 'time')}, "
+        f"intervened {count_of(int(extras[INTERVENTIONS.key]), 'time')}"
+        if atp.enabled
+        else "off"
+    )
+    return [
+        ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
+        ("Regulation", {"retime": "exact time left at each departure", "profiles": "fast, normal, economy"}.get(
+            scenario.route.regulation, "none")),
+        ("Train protection", curves),
+        ("Telegrams counted", of_train.counted_sentence(run)),
+    ]  # fmt: skip
+
+
+def advice(run: Record, folder: Path) -> str:
+    """Advice after a FAIL, depending on the cause."""
+    failures = run.score.failures
+    if any(text.startswith(WRAP_FAILURE) for text in failures):
+        return ""
+    only_stops = all(text.startswith("stop ") for text in failures)
+    if only_stops and run.controller != LAW_WITH_POSITION and LAW_WITH_POSITION in run.system.law_names():
+        return f"next: the same with --controller {LAW_WITH_POSITION}, which knows its position"
+    return ""
+
+
+JUDGING = Judging(
+    criteria=CRITERIA,
+    extras=EXTRAS,
+    score=score,
+    truth=SimTruth.PORT,
+    columns=COLUMNS,
+    told=of_train.told,
+    asked=asked,
+    checks=checks,
+    facts=facts,
+    counted=counted,
+    status=STATUS,
+    advice=advice,
+    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),),
+    watches=WATCHES,
+    interlocks=INTERLOCKS,
+    received=received,
+    ends_at_m=lambda scenario: scenario.plan.distance_m,
+)
