@@ -4,6 +4,8 @@
 missed       no report of a balise
 doubled      two reports
 wrong        ``error_m`` away from the surveyed position
+wrong_number another number
+shifted      none here: the plant passes the balise elsewhere (:meth:`FaultyReader.shift_m`)
 off          a report without a valid value; ``intermittent``: for a share of the balises
 ============ ================================================================================
 """
@@ -19,6 +21,7 @@ from railhil.bus.layout import Telegram
 from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
 from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading
+from railhil.faults.words import ONLY
 from railhil.plant_sim.faults.injections import Injections
 
 
@@ -101,6 +104,10 @@ _BALISE_WORDS: Mapping[str, Callable[[list[BaliseReport], Fault, np.random.Gener
     "missed": lambda reports, fault, source: [],
     "doubled": lambda reports, fault, source: [each for each in reports for _ in range(2)],
     "wrong": lambda reports, fault, source: _misplaced(reports, fault.parameter("error_m")),
+    "wrong_number": lambda reports, fault, source: [
+        replace(each, number=int(fault.parameter("number"))) for each in reports
+    ],
+    "shifted": lambda reports, fault, source: reports,
     "off": lambda reports, fault, source: _unread(reports),
     "intermittent": lambda reports, fault, source: (
         _unread(reports) if source.random() < fault.parameter("share") else reports
@@ -119,13 +126,34 @@ class FaultyReader:
         """The reports for one passing: none, one or several."""
         found = [healthy]
         for one, source in self._faults:
-            if not one.active:
+            if not one.active or not _is_meant(one.fault, healthy.number):
                 continue
             before = found
             found = _BALISE_WORDS[one.fault.what](found, one.fault, source)
             if found != before:
                 self._injections.hit(one, _reports_text(before), _reports_text(found))
         return found
+
+    def shift_m(self, number: int) -> float:
+        """How far a balise lies from its place, forwards, under the active faults."""
+        return sum(one.fault.parameter("by_m") for one in self._shifts(number))
+
+    def note_shift(self, number: int, true_m: float) -> None:
+        """Note the faults by which a balise that is passed lies elsewhere."""
+        for one in self._shifts(number):
+            self._injections.hit(one, f"{true_m - one.fault.parameter('by_m'):g} m", f"{true_m:g} m")
+
+    def _shifts(self, number: int) -> list[Activity]:
+        return [
+            one
+            for one, _ in self._faults
+            if one.active and one.fault.what == "shifted" and _is_meant(one.fault, number)
+        ]
+
+
+def _is_meant(fault: Fault, number: int) -> bool:
+    """Whether a fault acts on the balise of this number."""
+    return fault.values.get(ONLY.name, 0.0) in (0.0, number)
 
 
 def _reports_text(reports: list[BaliseReport]) -> str:

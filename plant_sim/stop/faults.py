@@ -95,7 +95,10 @@ class FaultyStopTrain(StopTrain):
     def read_balise(self, passed: Passed) -> None:
         for report in self._reader.reported(BaliseReport(passed.balise, passed.odometer_m)):
             if report.valid:
-                super().read_balise(Passed(report.number, max(0.0, report.position_m)))
+                # By the distance that the wheels count, a balise that lies elsewhere is read there.
+                distance_m = report.position_m + self._reader.shift_m(passed.balise)
+                super().read_balise(Passed(report.number, max(0.0, distance_m)))
+        self._reader.note_shift(passed.balise, passed.odometer_m)
 
 
 class FaultyStopPlant(StopPlant):

@@ -2,13 +2,14 @@
 
 ``WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT] [until EVENT] [after WORD] [seed N] [units 1,3] [combine] [id NAME]
 [expect LEVEL within TIME by CAUSE verdict VERDICT]``, such as ``speed stuck @60s for 2s`` or ``TRN_SPEED loss 30% @20s
-for 5s``. Places, words and values are in :mod:`railhil.faults.words`.
+for 5s``. Places, words and values are in :mod:`railhil.faults.words`. A name with an underscore may be written as two
+words, and that of a place also with a dot.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -22,6 +23,7 @@ from railhil.faults.notation import (
     UNITS,
     allowed_places,
     allowed_text,
+    is_short,
     number_of,
     number_text,
     place_hint,
@@ -32,7 +34,7 @@ from railhil.faults.notation import (
     value_of,
     value_text,
 )
-from railhil.faults.words import word_of, words_at
+from railhil.faults.words import ONLY, word_of, words_at
 
 #: Shown instead of a file for a fault of the command line.
 #: Faults of one run; SUP_CMD numbers them in 8 bits.
@@ -81,6 +83,15 @@ class _Reader:
         """Read the next word."""
         return self._words.pop(0) if self._words else ""
 
+    def take_joined(self, is_known: Callable[[str], bool]) -> str:
+        """Read the next word, and the one after it if both are one name: ``door left`` is ``door_left``."""
+        word = self.take()
+        joined = f"{word}_{self.next}"
+        if not is_known(joined):
+            return word
+        self.take()
+        return joined
+
     def refused(self, found: str, allowed: str, hint: str | None = None) -> InputError:
         """The error for a word."""
         return InputError(self._source, self._key, found or Words(), allowed, hint)
@@ -94,13 +105,16 @@ def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None)
     :raises InputError: it is not in the language: what was found, what is allowed.
     """
     reader = _Reader(text, source)
-    where = reader.take()
+    where = reader.take_joined(is_short)
     place = place_of(where)
     if place is None:
         raise reader.refused(where, allowed_places(), place_hint(where))
-    what = reader.take()
+    which = reader.take() if reader.next.isascii() and reader.next.isdigit() else ""
+    what = reader.take_joined(lambda name: word_of(place.level, place.name, place.part, name) is not None)
     word = _word(reader, place, what)
     values = _values(reader, word)
+    if which:
+        _choose(reader, word, values, which)
     count = int(reader.take()[1:]) if _is_count(reader.next) else None
     if reader.next == "@":
         reader.take()
@@ -144,6 +158,13 @@ def _values(reader: _Reader, word: Word) -> dict[str, Value]:
     return values
 
 
+def _choose(reader: _Reader, word: Word, values: dict[str, Value], which: str) -> None:
+    """Take the number behind the place: ``balise 12 missed`` is ``balise missed only 12``."""
+    if ONLY.name in values or ONLY not in word.parameters:
+        raise reader.refused(which, f"{word.name}, without a number before it")
+    values[ONLY.name] = float(which)
+
+
 def _ends(reader: _Reader, word: Word) -> bool:
     """Whether no value by place comes next."""
     keywords = (one.keyword for one in word.parameters if one.keyword)
@@ -159,12 +180,12 @@ def _value(reader: _Reader, parameter: Parameter) -> Value:
 
 
 def _when(reader: _Reader) -> Trigger:
-    text = ""
+    words = []
     while reader.next and reader.next not in _TAIL and not _is_count(reader.next):
-        text += reader.take()
-    found = trigger_of(text)
+        words.append(reader.take())
+    found = trigger_of(" ".join(words))
     if found is None:
-        raise reader.refused(f"@{text}", f"@ and {ALLOWED}")
+        raise reader.refused(f"@{''.join(words)}", f"@ and {ALLOWED}")
     return found
 
 
@@ -200,8 +221,8 @@ def _with(reader: _Reader, fault: Fault, word: str, text: str) -> Fault:
             raise reader.refused(text, "a duration above 0, such as for 500ms or for 2s")
         return replace(fault, duration_s=duration_s)
     if word == "until":
-        if not _EVENT.fullmatch(text):
-            raise reader.refused(text, "an event, such as until standstill")
+        if not _EVENT.fullmatch(text) and end_s(text) is None:
+            raise reader.refused(text, "an event, such as until standstill, or a time of the run, such as until 400s")
         return replace(fault, until=text)
     if word == "after":
         return replace(fault, after=text)
@@ -261,6 +282,7 @@ def check_fault(fault: Fault, complain: Complain) -> Fault:
         raise complain(ends[0], f"{fault.what} without a duration")
     if word.name == "restart" and fault.duration_s is None:
         raise complain("", "restart for some time, such as for 500ms")
+    fault = with_span(fault, complain)
     if fault.after and fault.after not in word.after:
         allowed = f"after {' or '.join(word.after)}" if word.after else f"{fault.what} without after"
         raise complain(fault.after, allowed, did_you_mean(fault.after, word.after))
@@ -269,6 +291,27 @@ def check_fault(fault: Fault, complain: Complain) -> Fault:
     if fault.expect is not None:
         _check_expect(fault.expect, complain)
     return replace(fault, values=MappingProxyType(values))
+
+
+def end_s(until: str) -> float | None:
+    """The time of the run at which a fault ends; None: it ends with an event."""
+    return number_of(until, TIME) if until[:1].isdigit() and not until[-1:].isdigit() else None
+
+
+def with_span(fault: Fault, complain: Complain) -> Fault:
+    """The fault with its duration, if it ends at a time of the run.
+
+    :raises InputError: it would end before it begins, or its beginning is no time.
+    """
+    ends_s, trigger = end_s(fault.until), fault.trigger
+    if ends_s is None or trigger.kind == "mark":
+        return fault
+    if trigger.kind != "time":
+        raise complain(f"until {fault.until}", "until a time only for a fault that begins at a time")
+    span_s = round(ends_s - float(trigger.value) - trigger.delay_s, 9)
+    if span_s <= 0.0:
+        raise complain(f"until {fault.until}", f"a time after @{trigger_text(trigger)}")
+    return replace(fault, until="", duration_s=span_s)
 
 
 def _complete(fault: Fault, word: Word, complain: Complain) -> Iterator[tuple[str, Value]]:

@@ -25,7 +25,7 @@ WATCH_LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 #: Event ``braking``: the train decelerates by at least this much.
 BRAKING_MPS2 = 0.3
 
-TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual"]
+TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual", "mark"]
 
 
 #: Units of parameters: keys of :data:`railhil.faults.notation.UNITS`.
@@ -96,8 +96,9 @@ class Trigger:
     """The beginning of a fault, decided by the simulated truth.
 
     ``value``: s (time), m (position), m/s (speed), name of a milestone or of the watches' levels (event), number of
-    the telegram of the place's port, from 1 (telegram); unused for ``manual``. ``edge``: for position and speed, the
-    direction of the crossing. ``delay_s``: time between the condition and the beginning of the fault.
+    the telegram of the place's port, from 1 (telegram), name and number of a planned instant of the scenario such as
+    ``stop 3`` (mark: a scenario that is read has its time instead); unused for ``manual``. ``edge``: for position and
+    speed, the direction of the crossing. ``delay_s``: time between the condition and the beginning of the fault.
     """
 
     kind: TriggerKind
@@ -140,7 +141,7 @@ class Fault:
     """One fault. At most one of ``duration_s``, ``count`` and ``until`` ends it; without them it lasts to the end.
 
     ``values``: parameters of ``what`` by name. ``count``: number of telegrams that it changes. ``until``: an event, as
-    a trigger's. ``after``: treatment of frames held back (``drop``, ``deliver``), or continuation of a counter
+    a trigger's; with a mark as its trigger also a time of the run (``400s``). ``after``: treatment of frames held back (``drop``, ``deliver``), or continuation of a counter
     (``correct``, ``last_valid``, ``last``); empty: the word's usual one. ``seed``: of its own random numbers; None:
     derived from the run's seed and the fault's number. ``units``: of a train with several, from 1; empty: all.
     ``combine``: permits other faults on the same target and level. ``id``: its name in the catalogue.

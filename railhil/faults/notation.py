@@ -22,8 +22,8 @@ UNITS: dict[str, dict[str, int]] = {
     TIME: {"s": 0, "ms": -3, "us": -6, "": 0},
     LENGTH: {"m": 0, "km": 3, "mm": -3, "": 0},
     SPEED: {"m/s": 0, "": 0},
-    NUMBER: {"": 0, "%": -2, "m/s": 0, "m": 0},
-    COUNT: {"": 0},
+    NUMBER: {"": 0, "%": -2, "m/s": 0, "m": 0, "x": 0},
+    COUNT: {"": 0, "x": 0},
     PPM: {"ppm": 0, "": 0},
 }
 _EXAMPLE = {
@@ -114,10 +114,18 @@ def value_text(value: Value, unit: str) -> str:
 
 ALLOWED = "60s, 1200m, v>60km/h, v<5km/h, #4711, manual, or an event such as braking, +2s behind it for later"
 _EVENT = re.compile(r"[a-z][a-z0-9_]*")
+#: A planned instant by its name and number, and a time after it.
+_MARK = re.compile(r"([A-Za-z][A-Za-z_]*)\s+(\d{1,3})(?:\s*\+\s*|\s+|$)(.*)")
 
 
 def trigger_of(text: str) -> Trigger | None:
     """The trigger of a text without ``@``; None: it is none."""
+    mark = _MARK.fullmatch(text)
+    if mark is not None:
+        name, number, after = mark.groups()
+        delay_s = number_of(after, TIME) if after else 0.0
+        return None if delay_s is None or delay_s < 0 else Trigger("mark", f"{name.lower()} {int(number)}", "rising", delay_s)
+    text = "".join(text.split())
     # A plus may also belong to the number itself (1e+3s).
     head, plus, tail = text.rpartition("+")
     if plus and head and not head.endswith(("e", "E")):
@@ -180,6 +188,7 @@ def allowed_places() -> str:
 def place_of(text: str) -> Place | None:
     """The place of a text; None: it is none."""
     first, _, rest = text.partition(".")
+    short = text.replace(".", "_")
     if first in _TELEGRAM:
         name, _, part = rest.partition(".")
         return _telegram(name, part, text)
@@ -189,9 +198,14 @@ def place_of(text: str) -> Place | None:
         if not _ANY_PORT.fullmatch(rest):
             return None
         return Place(first, rest) if rest in PLACES[first] or first in _OPEN else None
-    if first in _SHORT and "." not in text:
-        return Place(_SHORT[first], first)
+    if is_short(short):
+        return Place(_SHORT[short], short)
     return _telegram(first, rest, text) if _PORT.fullmatch(first) else None
+
+
+def is_short(text: str) -> bool:
+    """Whether a text is the name of a place that needs no level before it."""
+    return text in _SHORT
 
 
 def _telegram(name: str, part: str, text: str) -> Place | None:

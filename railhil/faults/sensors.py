@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from railhil.faults.activity import Activity
 
 _MODELS = "sensor models"
-#: Sensors that give one number.
-_NUMBERS = ("speed", "position")
+#: Sensors that count a distance, and all that give one number.
+_COUNTERS = ("position", "atp_odometer")
+_NUMBERS = (*_COUNTERS, "speed", "atp_speed")
 
 
 class Reading(NamedTuple):
@@ -84,7 +85,7 @@ class SensorOff(SensorFault):
 
 
 class SensorStuck(SensorFault):
-    word = Word("stuck", "sensor", "the value of the first instant stays", PX4, names=_NUMBERS)
+    word = Word("stuck", "sensor", "the value of the first instant stays", PX4, names=(*_NUMBERS, "docking_loop"))
 
     def begin(self, reading: Reading) -> None:
         self._held = reading
@@ -190,8 +191,7 @@ class SensorValue(SensorFault):
 
 class SensorJump(SensorFault):
     word = Word("jump", "sensor", "the count jumps once and continues from there", RAILWAY,
-                (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=("position",),
-                lasts=False)  # fmt: skip
+                (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=_COUNTERS, lasts=False)  # fmt: skip
 
     def changed(self, reading: Reading) -> Reading:
         return self.shifted(reading, self.parameter("distance_m"))

@@ -80,7 +80,7 @@ def _trigger(given: str | float | Mapping[str, Any], complain: Complain) -> Trig
     if isinstance(given, int | float):
         given = f"{float(given)!r}s"
     if isinstance(given, str):
-        found = trigger_of("".join(given.split()).removeprefix("@"))
+        found = trigger_of(given.strip().removeprefix("@").strip())
         if found is None:
             raise complain(given, ALLOWED)
         return found

@@ -42,6 +42,16 @@ PLACES: dict[str, dict[str, str]] = {
         "doors": "doors closed and locked",
         "parking_brake": "parking brake released",
         "safety_loop": "safety loop closed",
+        "holding_brake": "brake that holds the train at a stop",
+        "emergency_brake": "emergency brake, where it has a force of its own",
+        "door": "doors of the train, on both sides",
+        "door_left": "doors of the train on the left",
+        "door_right": "doors of the train on the right",
+        "psd": "doors of the platform",
+        "dwell": "exchange of passengers at a stop",
+        "signal": "signals of the line",
+        "authority": "movement authority that the track side gives",
+        "atp": "train protection",
         "gain": "achieved share of a commanded acceleration",
         "lag": "time constant of traction and brake",
         "delay": "delay from a command to its force",
@@ -51,6 +61,9 @@ PLACES: dict[str, dict[str, str]] = {
         "speed": "axle speed sensor",
         "position": "odometer",
         "balise": "balise reader",
+        "docking_loop": "loop that measures the place of the standing train",
+        "atp_speed": "axle speed sensor of the train protection",
+        "atp_odometer": "odometer of the train protection",
     },
     "actuator": {
         "traction": "traction drive",
@@ -67,6 +80,10 @@ LINES = ("a", "b")
 CLEAR = "ok"
 
 
+#: Chooses one of several balises or signals; written ``only 12``, or as a number behind the place.
+ONLY = Parameter("only", COUNT, 0.0, "one of them, by its number; 0: all", "only", 0.0, 1e6)
+
+
 def _share(meaning: str) -> Parameter:
     return Parameter("share", SHARE, 1.0, meaning, low=0.0, high=1.0)
 
@@ -76,6 +93,8 @@ _CANOE = "CANoe interaction layer"
 _CAN = "CAN, FMI-LS-BUS"
 _POSIX = "POSIX"
 _XIL = "ASAM XIL"
+
+_DOORS = ("door", "door_left", "door_right", "psd")
 
 _TRAIN = (
     Word("scale", "train", "multiplied", RAILWAY, (Parameter("factor", NUMBER, None, "factor", low=0.01, high=100.0),),
@@ -91,17 +110,37 @@ _TRAIN = (
          names=("power", "pantograph", "main_breaker", "doors", "parking_brake", "safety_loop")),
     Word("low", "train", "the line voltage is low: below two thirds there is no traction (EN 50163)", RAILWAY,
          (Parameter("share", SHARE, 0.6, "share of the nominal voltage", low=0.0, high=1.2),), names=("line_voltage",)),
+    Word("stuck_open", "train", "they do not close", RAILWAY, names=_DOORS),
+    Word("slow", "train", "they take longer to open and to close", RAILWAY,
+         (Parameter("factor", NUMBER, 3.0, "of the time", low=1.0, high=100.0),), names=_DOORS),
+    Word("obstacle", "train", "closings meet an obstacle", RAILWAY,
+         (Parameter("closings", COUNT, 1.0, "that meet it", low=1.0, high=100.0),), names=_DOORS, lasts=False),
+    Word("not_locked", "train", "closed doors are not locked", RAILWAY, names=_DOORS),
+    Word("isolated", "train", "locked by hand: they do not move", RAILWAY, names=_DOORS),
+    Word("hold", "train", "it takes longer", RAILWAY,
+         (Parameter("extra_s", TIME, 45.0, "added to it", low=0.0, high=1000.0),), names=("dwell",)),
+    Word("red", "train", "they show red", RAILWAY, (ONLY,), names=("signal",)),
+    Word("lost", "train", "none is received", RAILWAY, names=("authority",)),
+    Word("dead", "train", "it does nothing any more", RAILWAY, names=("atp",)),
+    Word("weak", "train", "only a share of its force", RAILWAY,
+         (Parameter("share", SHARE, 0.5, "share of the force that is left", low=0.0, high=1.0),),
+         names=("holding_brake", "emergency_brake")),
     Word("nan", "train", "the state is no longer a number: a defect of the bench", "numerics", names=("model",),
          lasts=False),
 )  # fmt: skip
 
 _SENSOR = (
     *(kind.word for kind in SENSOR_KINDS),
-    Word("missed", "sensor", "balises are not read", RAILWAY, names=("balise",)),
-    Word("doubled", "sensor", "balises are reported twice", RAILWAY, names=("balise",)),
+    Word("missed", "sensor", "balises are not read", RAILWAY, (ONLY,), names=("balise",)),
+    Word("doubled", "sensor", "balises are reported twice", RAILWAY, (ONLY,), names=("balise",)),
     Word("wrong", "sensor", "balises are reported at a wrong place", RAILWAY,
-         (Parameter("error_m", LENGTH, None, "error of the surveyed position", low=-1e6, high=1e6, example="5m"),),
+         (Parameter("error_m", LENGTH, None, "error of the surveyed position", low=-1e6, high=1e6, example="5m"), ONLY),
          names=("balise",)),
+    Word("shifted", "sensor", "balises lie elsewhere than surveyed", RAILWAY,
+         (Parameter("by_m", LENGTH, None, "distance, along the run", low=-1e3, high=1e3, example="2m"), ONLY),
+         names=("balise",)),
+    Word("wrong_number", "sensor", "balises are read with another number", RAILWAY,
+         (Parameter("number", COUNT, None, "that is read", low=0.0, high=255.0), ONLY), names=("balise",)),
 )  # fmt: skip
 
 _ACTUATOR = tuple(kind.word for kind in ACTUATOR_KINDS)

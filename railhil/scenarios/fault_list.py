@@ -6,30 +6,38 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 from railhil.common.errors import InputError, did_you_mean
 from railhil.dbc import Port
 from railhil.faults.capability import instruments, life_signal, port_names
-from railhil.faults.language import FAULTS_MAX, fault_text, parse
-from railhil.faults.model import COUNT, Draw, Fault, Injection, Place, Random, Value
-from railhil.faults.notation import place_text
+from railhil.faults.language import FAULTS_MAX, fault_text, parse, with_span
+from railhil.faults.model import COUNT, Draw, Fault, Injection, Place, Random, Trigger, Value
+from railhil.faults.notation import ALLOWED, place_text, trigger_text
 from railhil.faults.tables import fault_of
 from railhil.faults.words import CLEAR, kind_of_part, word_of
 from railhil.scenarios import streams
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System
 
+#: Planned instants of a scenario by their name, in s from the start of the run: the n-th has number n; None: it has
+#: no time.
+Marks: TypeAlias = Mapping[str, Sequence[float | None]]
+_NO_MARKS: Marks = MappingProxyType({})
 #: Events that every run has: milestones of the bench.
 _MILESTONES = ("departed", "stopped", "emergency")
 
 
 def fault_texts(
-    rows: Sequence[Mapping[str, Any] | str], system: System, origin: Callable[[int], Path]
+    rows: Sequence[Mapping[str, Any] | str],
+    system: System,
+    origin: Callable[[int], Path],
+    marks: Marks = _NO_MARKS,
 ) -> tuple[str, ...]:
-    """Canonical texts of the rows of ``fault``, tables and texts.
+    """Canonical texts of the rows of ``fault``, tables and texts. A fault that begins at a mark begins at its time.
 
     :param origin: file of a row.
+    :param marks: planned instants of the scenario.
     :raises InputError: a row is not in the language, its system cannot inject it, or two of them act on one target.
     """
     found: list[Fault] = []
@@ -37,7 +45,7 @@ def fault_texts(
         refuse = _Refuse(origin(index), row if isinstance(row, str) else f"fault[{index}]")
         if index >= FAULTS_MAX:
             raise refuse(f"{len(rows)} faults", f"at most {FAULTS_MAX}")
-        fault = fault_of(row, refuse, origin(index))
+        fault = _planned(fault_of(row, refuse, origin(index)), marks, refuse)
         _check(fault, system, refuse)
         for other in found:
             if _collide(fault, other):
@@ -56,6 +64,22 @@ class _Refuse:
 
     def __call__(self, found: str, allowed: str, hint: str | None = None) -> InputError:
         return InputError(self._file, self._key, found, allowed, hint)
+
+
+def _planned(fault: Fault, marks: Marks, refuse: _Refuse) -> Fault:
+    """The fault with a time in the place of its mark."""
+    trigger = fault.trigger
+    if trigger.kind != "mark":
+        return fault
+    name, _, number = str(trigger.value).partition(" ")
+    times_s = marks.get(name, ())
+    known = [index for index, time_s in enumerate(times_s, 1) if time_s is not None]
+    if int(number) not in known:
+        allowed = ", ".join(f"{name} {index}" for index in known) or ", ".join(f"{one} 1" for one in marks) or ALLOWED
+        raise refuse(f"@{trigger_text(trigger)}", allowed, did_you_mean(name, marks))
+    at_s = times_s[int(number) - 1]
+    assert at_s is not None
+    return with_span(replace(fault, trigger=Trigger("time", round(at_s + trigger.delay_s, 9))), refuse)
 
 
 def _check(fault: Fault, system: System, refuse: _Refuse) -> None:

@@ -377,7 +377,10 @@ def _join_names(changed: list[tuple[str, ...]]) -> str:
 
 
 def faults_of_rows(
-    rows: Sequence[Mapping[str, Any] | str], system: System, origin: Callable[[int], Path]
+    rows: Sequence[Mapping[str, Any] | str],
+    system: System,
+    origin: Callable[[int], Path],
+    marks: Mapping[str, Sequence[float | None]] | None = None,
 ) -> tuple[str, ...]:
     """See :func:`railhil.scenarios.fault_list.fault_texts`."""
     if not rows:
@@ -385,4 +388,4 @@ def faults_of_rows(
     # Loading it takes a tenth of the start of a node, and every node reads the scenario.
     from railhil.scenarios.fault_list import fault_texts
 
-    return fault_texts(rows, system, origin)
+    return fault_texts(rows, system, origin, marks or {})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -15,7 +17,9 @@ from railhil.faults.language import fault_text, parse
 from railhil.faults.model import CONTINUING, COUNT, NAME, Draw, Expect, Fault, Parameter, Place, Trigger, Value, Word
 from railhil.faults.tables import fault_of
 from railhil.faults.words import PLACES, WORDS
-from railhil.scenarios.fault_list import draw_values
+from railhil.scenarios.fault_list import draw_values, fault_texts
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import system_named
 
 
 def refused(text: str) -> str:
@@ -127,7 +131,11 @@ def test_a_text_is_a_fault(
         ("TRN_SPEED loss @1s units 0", "found '0', allowed units from 1"),
         ("TRN_SPEED loss @1s expect", "missing, expected expect with a level"),
         ("speed wrong uniform(2,1) @1s", "found 'uniform(2,1)'"),
-        ("balise stuck @1s", "found 'stuck', allowed balise with one of off, intermittent, missed, doubled, wrong, ok"),
+        ("balise stuck @1s", "found 'stuck', allowed balise with one of off, intermittent, missed, doubled, wrong, shifted"),
+        ("signal red @braking until 400s", "found 'until 400s', allowed until a time only for a fault that begins at"),
+        ("signal red @500s until 400s", "found 'until 400s', allowed a time after @500s"),
+        ("speed 3 stuck @1s", "found '3', allowed stuck, without a number before it"),
+        ("balise 3 missed only 4 @1s", "found '3', allowed missed, without a number before it"),
     ],
 )
 def test_a_bad_text_is_refused_in_one_line(text: str, said: str) -> None:
@@ -139,6 +147,53 @@ def test_a_bad_text_is_refused_in_one_line(text: str, said: str) -> None:
 
 def test_a_text_without_a_time_takes_the_given_one() -> None:
     assert parse("pantograph off", trigger=Trigger("manual")) == parse("pantograph off @manual")
+
+
+@pytest.mark.parametrize(
+    ("text", "canonical"),
+    [
+        ("door left stuck open @STOP 3", "door_left stuck_open @stop 3"),
+        ("door right slow 3x @10s", "door_right slow @10s"),
+        ("door obstacle 2x @Stop 2 + 3s", "door obstacle 2 @stop 2+3s"),
+        ("balise 12 missed @0s", "balise missed only 12 @0s"),
+        ("balise 4 wrong number 9 @section 5 40s", "balise wrong_number 9 only 4 @section 5+40s"),
+        ("signal 2 red @stop 2 until 400s", "signal red only 2 @stop 2 until 400s"),
+        ("signal red @20s until 400s", "signal red @20s for 380s"),
+        ("atp.speed wrong 110% @30s", "atp_speed wrong 1.1 @30s"),
+    ],
+)
+def test_a_name_of_two_words_a_number_and_a_planned_instant_have_one_canonical_text(text: str, canonical: str) -> None:
+    assert fault_text(parse(text)) == canonical
+    assert parse(canonical) == parse(text)
+
+
+def planned(*texts: str) -> tuple[str, ...]:
+    marks = {"stop": (0.0, 137.0, None), "section": (30.0,)}
+    return fault_texts(texts, system_named("ato"), lambda row: Path("run.toml"), marks)
+
+
+def test_a_fault_at_a_planned_instant_begins_at_its_time() -> None:
+    found = planned("speed off @stop 2+3s for 1s", "position off @section 1 40s until 100s")
+    assert found == ("speed off @140s for 1s", "position off @70s for 30s")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("speed off @stop 3", "found '@stop 3', allowed stop 1, stop 2"),
+        ("speed off @stop 9", "found '@stop 9', allowed stop 1, stop 2"),
+        ("speed off @sektion 1", "found '@sektion 1', allowed stop 1, section 1 (did you mean section?)"),
+        ("speed off @stop 2 until 100s", "found 'until 100s', allowed a time after @137s"),
+    ],
+)
+def test_an_instant_that_is_not_planned_is_refused(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        planned(text)
+
+
+def test_a_scenario_without_planned_instants_has_none() -> None:
+    with pytest.raises(InputError, match=re.escape("found '@stop 2', allowed 60s, 1200m")):
+        load_any("lvshun_tieshan", (), ("speed off @stop 2",))
 
 
 _TIMES = st.floats(0.001, 1e4).filter(lambda value: value > 0)
@@ -172,6 +227,7 @@ _TRIGGERS: st.SearchStrategy[Trigger] = st.one_of(
         Trigger, st.just("event"), st.sampled_from(("braking", "stopped", "traction_cut")), st.just("rising"), _TIMES
     ),
     st.just(Trigger("manual")),
+    st.builds(Trigger, st.just("mark"), st.sampled_from(("stop 1", "section 12")), st.just("rising"), _TIMES),
 )
 
 

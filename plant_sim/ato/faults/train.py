@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -56,6 +58,7 @@ class FaultyTrain(TrainOnBus):
         self._models = faulty.at("train", "model")
         self._mismatches = [one for one in faulty.at("train") if (one.fault.place.name, one.fault.what) in MISMATCHES]
         self._extra_n = 0.0
+        self._shifts_m: dict[int, float] = {}
         self._mode: int = CtlMode.INITIALISING
         mismatch = self._mismatch()
         super().__init__(mismatch.applied(self._healthy), seed, False, rate)
@@ -92,6 +95,17 @@ class FaultyTrain(TrainOnBus):
             (value,) = one.fault.values.values()
             self.injections.effect(one, one.active, "0" if one.fault.what == "offset" else "1", str(value))
         self._motion = self._forces.change(self._actual_train, self._motion, self._applied_n)
+        self._shift_balises()
+
+    def _shift_balises(self) -> None:
+        """Move the balises ahead that lie elsewhere; one that is moved behind the front is not read."""
+        before, after = self._shifts_m, {one.number: self._reader.shift_m(one.number) for one in self._balises}
+        if after == before or not (any(after.values()) or any(before.values())):
+            return
+        self._shifts_m = after
+        moved = [_moved(one, after[one.number] - before.get(one.number, 0.0)) for one in self._balises]
+        ahead = [one for one in moved if one.true_m > self._motion.position_m]
+        self._balises = deque(sorted(ahead, key=lambda one: (one.true_m, one.number)))
 
     # -- time ---------------------------------------------------------------------------------------------------------
 
@@ -184,6 +198,7 @@ class FaultyTrain(TrainOnBus):
         odometer_mm = (
             self._sensors.odometer_between_mm(balise.true_m + self._forces.axle.slip_m) + self._position_sensor.error
         )
+        self._reader.note_shift(balise.number, balise.true_m)
         for report in self._reader.reported(BaliseReport(balise.number, balise.surveyed_m)):
             read = Balise if report.valid else _UnreadBalise
             self._event(
@@ -212,6 +227,11 @@ class FaultyTrain(TrainOnBus):
         if isinstance(telegram, BalisePassed) and isinstance(event.balise, _UnreadBalise):
             telegram.check = CHECK_ERRONEOUS
         return telegram
+
+
+def _moved(balise: Balise, by_m: float) -> Balise:
+    """A balise elsewhere; marks of other kinds stay."""
+    return replace(balise, true_m=balise.true_m + by_m) if by_m and type(balise) is Balise else balise
 
 
 def _sent(make: Callable[[], Telegram | None], sensor: FaultySensor) -> Callable[[], Telegram | None]:

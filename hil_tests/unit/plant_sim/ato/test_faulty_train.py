@@ -78,6 +78,7 @@ def test_a_mismatch_from_the_start_is_a_changed_scenario() -> None:
         ("missed", {}, [], ("7:30", "none")),
         ("doubled", {}, [(7, 30_000, 1), (7, 30_000, 1)], ("7:30", "7:30 7:30")),
         ("wrong", {"error_m": -3.5}, [(7, 26_500, 1)], ("7:30", "7:26.5")),
+        ("wrong_number", {"number": 9.0, "only": 7.0}, [(9, 30_000, 1)], ("7:30", "9:30")),
         ("off", {}, [(7, 0, CHECK_ERRONEOUS)], ("7:30", "invalid")),
         ("intermittent", {"share": 1.0}, [(7, 0, CHECK_ERRONEOUS)], ("7:30", "invalid")),
     ],
@@ -99,6 +100,26 @@ def test_balises(
                 found.append((telegram.balise_id, telegram.surveyed_mm, telegram.check))
     assert found == [*expected, (8, 60_000, 1)]
     assert [hit[2:] for hit in shown(plant)] == [note]
+
+
+def test_a_shifted_balise_is_passed_elsewhere() -> None:
+    """Its telegram is the same; the odometer at the passing is not. One that is moved behind the front is not read."""
+    places_m = (30.0, 60.0, 90.0)
+    line = replace(SCENARIO.line, balises=tuple(Balise(7 + index, at_m, at_m) for index, at_m in enumerate(places_m)))
+    begin = Trigger("position", 20.0)
+    plant = faulty(
+        fault("sensor.balise", "shifted", begin, {"by_m": 2.5, "only": 8.0}, combine=True),
+        fault("sensor.balise", "shifted", begin, {"by_m": -80.0, "only": 9.0}, combine=True),
+        scenario=replace(SCENARIO, line=line),
+    )
+    found = []
+    for _ in range(3000):
+        for event in commanded(plant, 1500, 1):
+            telegram = plant.telegram_of(event)
+            if isinstance(telegram, BalisePassed):
+                found.append((telegram.balise_id, telegram.surveyed_mm, event.position_01mm))
+    assert found == [(7, 30_000, 300_000), (8, 60_000, 625_000)]
+    assert [hit[2:] for hit in shown(plant)] == [("60 m", "62.5 m")]
 
 
 # -- triggers and refusals --------------------------------------------------------------------------------------------
