@@ -141,10 +141,11 @@ class Fault:
     """One fault. At most one of ``duration_s``, ``count`` and ``until`` ends it; without them it lasts to the end.
 
     ``values``: parameters of ``what`` by name. ``count``: number of telegrams that it changes. ``until``: an event, as
-    a trigger's; with a mark as its trigger also a time of the run (``400s``). ``after``: treatment of frames held back (``drop``, ``deliver``), or continuation of a counter
-    (``correct``, ``last_valid``, ``last``); empty: the word's usual one. ``seed``: of its own random numbers; None:
-    derived from the run's seed and the fault's number. ``units``: of a train with several, from 1; empty: all.
-    ``combine``: permits other faults on the same target and level. ``id``: its name in the catalogue.
+    a trigger's; with a mark as its trigger also a time of the run (``400s``). ``after``: treatment of frames held back
+    (``drop``, ``deliver``), or continuation of a counter (``correct``, ``last_valid``, ``last``); empty: the word's
+    usual one. ``seed``: of its own random numbers; None: derived from the run's seed and the fault's number. ``units``:
+    of a train with several, from 1; empty: all. ``combine``: permits other faults on the same target and level. ``id``:
+    its name in the catalogue.
     """
 
     place: Place

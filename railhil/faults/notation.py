@@ -124,7 +124,9 @@ def trigger_of(text: str) -> Trigger | None:
     if mark is not None:
         name, number, after = mark.groups()
         delay_s = number_of(after, TIME) if after else 0.0
-        return None if delay_s is None or delay_s < 0 else Trigger("mark", f"{name.lower()} {int(number)}", "rising", delay_s)
+        if delay_s is None or delay_s < 0:
+            return None
+        return Trigger("mark", f"{name.lower()} {int(number)}", delay_s=delay_s)
     text = "".join(text.split())
     # A plus may also belong to the number itself (1e+3s).
     head, plus, tail = text.rpartition("+")

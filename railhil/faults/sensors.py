@@ -191,7 +191,8 @@ class SensorValue(SensorFault):
 
 class SensorJump(SensorFault):
     word = Word("jump", "sensor", "the count jumps once and continues from there", RAILWAY,
-                (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=_COUNTERS, lasts=False)  # fmt: skip
+                (Parameter("distance_m", LENGTH, None, "distance", low=-1e6, high=1e6),), names=_COUNTERS,
+                lasts=False)  # fmt: skip
 
     def changed(self, reading: Reading) -> Reading:
         return self.shifted(reading, self.parameter("distance_m"))

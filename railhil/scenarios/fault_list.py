@@ -76,7 +76,7 @@ def _planned(fault: Fault, marks: Marks, refuse: _Refuse) -> Fault:
     known = [index for index, time_s in enumerate(times_s, 1) if time_s is not None]
     if int(number) not in known:
         allowed = ", ".join(f"{name} {index}" for index in known) or ", ".join(f"{one} 1" for one in marks) or ALLOWED
-        raise refuse(f"@{trigger_text(trigger)}", allowed, did_you_mean(name, marks))
+        raise refuse(f"@{trigger_text(trigger)}", allowed, None if name in marks else did_you_mean(name, marks))
     at_s = times_s[int(number) - 1]
     assert at_s is not None
     return with_span(replace(fault, trigger=Trigger("time", round(at_s + trigger.delay_s, 9))), refuse)

@@ -131,7 +131,10 @@ def test_a_text_is_a_fault(
         ("TRN_SPEED loss @1s units 0", "found '0', allowed units from 1"),
         ("TRN_SPEED loss @1s expect", "missing, expected expect with a level"),
         ("speed wrong uniform(2,1) @1s", "found 'uniform(2,1)'"),
-        ("balise stuck @1s", "found 'stuck', allowed balise with one of off, intermittent, missed, doubled, wrong, shifted"),
+        (
+            "balise stuck @1s",
+            "found 'stuck', allowed balise with one of off, intermittent, missed, doubled, wrong, shifted",
+        ),
         ("signal red @braking until 400s", "found 'until 400s', allowed until a time only for a fault that begins at"),
         ("signal red @500s until 400s", "found 'until 400s', allowed a time after @500s"),
         ("speed 3 stuck @1s", "found '3', allowed stuck, without a number before it"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from railhil.systems.line.scenario import check, model, schema
 from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.curves import find_targets
 from railhil.systems.line.scenario.legs import LaidRoute, lay_route, list_overruns
+from railhil.systems.line.scenario.model import StationStop
 from railhil.systems.line.scenario.protection import Protection
 from railhil.systems.line.scenario.statement import STATEMENT
 from railhil.systems.line.scenario.timetable import make_timetable
@@ -29,12 +30,12 @@ _REPLACED = (("plan",), ("target",), ("line", "from_stop"), ("line", "to_stop"))
 
 
 def read_line_scenario(
-    layers: Layers, contract: Contract, faults_of: Callable[[], tuple[str, ...]]
+    layers: Layers, contract: Contract, faults_of: Callable[[Sequence[StationStop]], tuple[str, ...]]
 ) -> model.LineScenario:
     """The scenario of a file with its base files.
 
     :param contract: the system's port table.
-    :param faults_of: reads its faults, after the types of all keys have been checked.
+    :param faults_of: reads its faults, which may begin by the timetable of its stops.
     :raises InputError: it is wrong.
     """
 
@@ -45,7 +46,6 @@ def read_line_scenario(
     file = validate(schema.LineScenarioFile, table, lambda keys: layers.origin(*keys), _TAGS)
     if layers.main.parent == DATA / "runs" and file.name != layers.main.stem:
         raise refuse(("name",), file.name, f"{layers.main.stem}, the name of the file")
-    faults = faults_of()
     train = convert.train(file.train, refuse)
     timing, watch = file.timing.in_ns(), convert.watch(file.watch)
     perturbations = _convert_perturbations(file.perturbations)
@@ -86,7 +86,7 @@ def read_line_scenario(
             *file.assumptions,
             *STATEMENT,
         ),
-        faults=faults,
+        faults=faults_of(timetable.stops),
         legs=laid.legs,
         stops=timetable.stops,
         sections=sections,
@@ -97,7 +97,9 @@ def read_line_scenario(
     )
     check.check_scenario(scenario, contract, refuse)
     scenario = replace(scenario, sha256=scenario_sha256(scenario))
-    return add_own_words(scenario, layers, lambda base: read_line_scenario(base, contract, tuple), _select_run)
+    return add_own_words(
+        scenario, layers, lambda base: read_line_scenario(base, contract, lambda stops: ()), _select_run
+    )
 
 
 def _select_run(scenario: model.LineScenario) -> object:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
@@ -13,7 +13,7 @@ from railhil.scenarios.layers import Layers, faults_of_rows
 from railhil.systems.ato.scenario.kind import TrainScenarios, scenario_of
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.line.scenario.canonical import scenario_sha256
-from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.model import LineScenario, StationStop
 
 
 class LineScenarios(TrainScenarios):
@@ -26,7 +26,14 @@ class LineScenarios(TrainScenarios):
         from railhil.systems.line.scenario.files import read_line_scenario
 
         rows = layers.merge().get("fault", ())
-        faults_of = partial(faults_of_rows, rows, self._system, lambda row: layers.origin("fault", row))
+
+        def faults_of(stops: Sequence[StationStop]) -> tuple[str, ...]:
+            if not rows:
+                return ()
+            from railhil.systems.line.scenario.marks import find_marks
+
+            return faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row), find_marks(stops))
+
         return read_line_scenario(layers, self._system.contract, faults_of)
 
     def restore(self, fields: dict[str, Any], file: Path) -> LineScenario:
