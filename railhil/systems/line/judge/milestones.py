@@ -52,6 +52,8 @@ def milestones_of(scenario: Any, trace: Trace) -> tuple[tuple[Milestone, ...], s
         if known != told:
             said = f"{known.kind} at {known.instant_s:.2f} s and {told.kind} at {told.instant_s:.2f} s"
             return (), f"{UNCLEAR}RUN_EVENT {number} says {said}"
+    if not all(found):
+        return (), f"{UNCLEAR}RUN_EVENT 0 says {found[0].kind}, but milestones are numbered from 1"
     listed = tuple(found[number] for number in sorted(found))
     return listed, _disorder(listed, names)
 
