@@ -20,11 +20,13 @@ class DockingLoop:
     :param window_m: largest distance from the stopping point.
     :ivar is_in_window: result of the last measurement.
     :ivar stuck: what it says instead (a fault); None: it works.
+    :ivar has_failed: it has said that a moving train was in the window; from then on it counts for nothing.
     """
 
     def __init__(self, window_m: float, seed: int, tick_s: float) -> None:
         self.is_in_window = False
         self.stuck: bool | None = None
+        self.has_failed = False
         self.period_ticks = max(1, round(PERIOD_S / tick_s))
         self._window_m = window_m
         self._key = streams.key_of(seed, streams.DOCKING)
@@ -37,11 +39,13 @@ class DockingLoop:
         :param tick: a multiple of ``period_ticks``.
         """
         measured_m = offset_m + self._error_m(tick // self.period_ticks)
-        self.is_in_window = abs(measured_m) <= self._window_m if self.stuck is None else self.stuck
+        found = abs(measured_m) <= self._window_m if self.stuck is None else self.stuck
+        self.is_in_window = found and not self.has_failed
 
     def leave(self) -> None:
-        """The train moves, or stands elsewhere."""
-        self.is_in_window = bool(self.stuck)
+        """The train moves: the loop must not find it in the window."""
+        self.has_failed = self.has_failed or bool(self.stuck)
+        self.is_in_window = False
 
     def _error_m(self, place: int) -> float:
         index = place - self._first

@@ -105,6 +105,14 @@ class DoorSet:
             self.state = CLOSING
             self._left = round(self._ticks.closing * self.slowness)
 
+    def keep_shut(self) -> None:
+        """Open no further: the train moves."""
+        if self.state == OPENING:
+            self.state = CLOSING
+            self._left = round(self._ticks.closing * self.slowness)
+        elif self.state == OBSTRUCTED:
+            self._left += 1
+
     def step(self) -> None:
         """Advance by a tick."""
         state = self.state
@@ -206,8 +214,9 @@ class TrainDoors:
         self.right.close()
         self.psd.close()
 
-    def step(self) -> None:
-        """Advance by a tick."""
-        self.left.step()
-        self.right.step()
-        self.psd.step()
+    def step(self, moving: bool = False) -> None:
+        """Advance by a tick. In motion no door opens: what was opening closes, and an obstacle stays where it is."""
+        for door in (self.left, self.right, self.psd):
+            if moving:
+                door.keep_shut()
+            door.step()

@@ -4,78 +4,48 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from math import inf
 from typing import Final
 
 from railhil.bus.acceptance import Acceptance
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram
-from railhil.plant_sim.ato import dynamics, force_tables, forces
-from railhil.plant_sim.ato.command_watch import watch_brake_mps2
-from railhil.plant_sim.ato.dynamics import Window
-from railhil.plant_sim.ato.forces import EffortLimit, TrainConstants
-from railhil.plant_sim.ato.plant import PARKING_BRAKE_PERMIL
-from railhil.plant_sim.ato.train import TrainOnBus
-from railhil.plant_sim.ato.train_checks import OwnChecks
-from railhil.plant_sim.line.brakes import EmergencyForce, HoldingBrake
+from railhil.plant_sim.ato import forces
+from railhil.plant_sim.line.braked import BrakedTrain
 from railhil.plant_sim.line.docking import DockingLoop
-from railhil.plant_sim.line.doors import CLOSE, SIDES, TrainDoors
-from railhil.plant_sim.line.journey import Journey, PassMark
-from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION, SERVICE_BRAKE, Onboard
+from railhil.plant_sim.line.doors import CLOSE, SIDES
+from railhil.plant_sim.line.journey import PassMark
 from railhil.plant_sim.line.run_end import LineRunEnd
 from railhil.plant_sim.line.telegrams import LineTelegrams
 from railhil.systems.ato.scenario.model import Balise
-from railhil.systems.ato.scenario.perturb import perturb
-from railhil.systems.line.scenario.dwell import draw_dwells
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.wire.ato import CtlStat, WatchLevel
+from railhil.systems.line.scenario.perturb import draw_line
+from railhil.wire.ato import CtlStat
 from railhil.wire.line import AtoStat, DoorCmd
 
 _NO_ORDER: Final = (0, 0)
 
 
-class LineTrain(TrainOnBus):
+class LineTrain(BrakedTrain):
     """See :class:`railhil.plant_sim.any_plant.AnyPlant`.
 
-    :ivar journey: where the train is in its timetable.
-    :ivar doors: of the train and of the platform.
     :ivar docking: tells whether the train stands within the door window.
-    :ivar holding: the holding brake.
-    :ivar onboard: the train protection; None: the train has none.
     :ivar stood_from_tick: of the present standstill.
-    :ivar is_busy: it stands, or has doors that are not locked: the equipment of a stop needs every tick.
     """
 
     statuses: Sequence[str] = (CtlStat.PORT, AtoStat.PORT)
 
     def __init__(self, scenario: LineScenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
-        actual = perturb(scenario, seed) if drawn else scenario
-        assert isinstance(actual, LineScenario)
+        drawn_line = draw_line(scenario, seed, drawn)
+        actual = drawn_line.scenario
         tick_s = actual.timing.base_tick_ns * 1e-9
-        self.journey = Journey(actual, draw_dwells(actual, seed))
-        self.doors = TrainDoors(actual.route.doors, tick_s)
         self.docking = DockingLoop(actual.route.door_window_m, seed, tick_s)
         self.stood_from_tick = 0
-        self.onboard: Onboard | None = None
         self._has_left = False
-        self.is_busy = True
-        #: A brake besides those of watch and actuator acts.
-        self._is_braked = True
-        super().__init__(actual, seed, False, rate)
-        self._line = actual
-        self._unloaded = self._train
-        self._section_masses = (1.0,) * len(actual.sections)
-        nominal_kg = scenario.train.inertial_mass_kg
-        brake = scenario.emergency
-        if scenario.atp.enabled:
-            self.onboard = Onboard(scenario, seed, 1.0)
-        self._protection_brake_mps2 = 0.0
-        self._emergency = None if brake is None else EmergencyForce(brake, nominal_kg, tick_s)
-        self.holding = HoldingBrake(self._parking_brake_n)
+        super().__init__(scenario, drawn_line, seed, rate)
+        self._section_masses = drawn_line.section_masses
         self._hold_commanded = True
         self._order = _NO_ORDER
         self._order_refused = self._departure_refused = False
-        self._load(0)
+        self._load(self._section_masses[0])
         self._balises = deque(sorted((*self._balises, *self.journey.passed_marks()), key=_place))
         self._line_telegrams = LineTelegrams(actual, self, rate)
         self._telegrams = self._line_telegrams
@@ -87,11 +57,6 @@ class LineTrain(TrainOnBus):
         self._doors_accepted = 0
 
     # -- readings -----------------------------------------------------------------------------------------------------
-
-    @property
-    def is_standing(self) -> bool:
-        """Whether the train stands."""
-        return self._motion.speed_mps <= 0.0
 
     @property
     def station_here(self) -> int | None:
@@ -171,7 +136,7 @@ class LineTrain(TrainOnBus):
         if turned:
             self._mark("turn_back")
             self._turn_back()
-        self._load(journey.section)
+        self._load(self._section_masses[journey.section])
         self._line_telegrams.begin_section()
         self.docking.leave()
 
@@ -189,45 +154,10 @@ class LineTrain(TrainOnBus):
         while self._balises and self._balises[0].true_m <= self._motion.position_m:
             self._pass_balise(self._balises.popleft(), 0.0)
 
-    def _load(self, section: int) -> None:
-        """Change the mass at a stop."""
-        factor = self._section_masses[section]
-        bare = self._unloaded
-        train = replace(bare, mass_kg=bare.mass_kg * factor, inertial_mass_kg=bare.inertial_mass_kg * factor)
-        self._train = train
-        self._constants = self._plain_constants = force_tables.train_constants(train)
-        self._own_checks = OwnChecks(self._line, self._constants)
-        self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
-        self.holding.force_n = self._parking_brake_n
-
     # -- time ---------------------------------------------------------------------------------------------------------
 
-    def _protect(self) -> None:
-        """The forces that the train's watches, brakes and interlocks allow over the coming tick."""
-        if self.is_busy:
-            self._attend()
-        onboard = self.onboard
-        if onboard is not None and self.tick % onboard.period_ticks == 0:
-            self._look(onboard)
-        before_n = self._window.brake_min_n
-        super()._protect()
-        if self._is_braked or self._window.brake_min_n == inf:
-            self._brake(before_n)
-
-    def _look(self, onboard: Onboard) -> None:
-        """Let the train protection look; report a stronger reaction."""
-        before, motion = onboard.reaction, self._motion
-        authority, locked = self.journey.authority(self.tick), self.doors.are_locked
-        held = self.holding.is_applied
-        if onboard.look(self.tick, motion.position_m, motion.speed_mps, authority, locked, held):
-            self._mark("atp")
-            if onboard.reaction == EMERGENCY_BRAKE:
-                self._mark("emergency")
-        if onboard.reaction != before:
-            self._is_braked = held or onboard.reaction > NO_REACTION
-
     def _attend(self) -> None:
-        """Move the doors, measure the place, and hold the train at a stop."""
+        """Measure the place, and hold the train at a stop."""
         journey, doors, docking, motion = self.journey, self.doors, self.docking, self._motion
         standing = motion.speed_mps <= 0.0
         if standing and self.tick % docking.period_ticks == 0:
@@ -235,8 +165,6 @@ class LineTrain(TrainOnBus):
                 docking.measure(motion.position_m - journey.stop.position_m, self.tick)
             elif journey.stand_short(motion.position_m, self.tick, self.tick - self.stood_from_tick):
                 self._mark("arrived")
-        if doors.opened:
-            self._move_doors()
         if standing and (self._hold_commanded or not doors.are_locked):
             self.holding.apply()
             self._is_braked = True
@@ -249,8 +177,10 @@ class LineTrain(TrainOnBus):
     def _move_doors(self) -> None:
         """Move doors that were ordered to open over the coming tick, and report at its end what they have become."""
         doors = self.doors
+        if not doors.opened:
+            return
         were_locked = doors.are_locked
-        doors.step()
+        doors.step(not self.is_standing)
         if not self.journey.has_opened and doors.are_open:
             self.journey.open(self.tick + 1)
             self._mark("doors_open", self._step_s)
@@ -264,39 +194,6 @@ class LineTrain(TrainOnBus):
     def show_doors(self) -> None:
         """Take the state of the doors into the interlock of traction."""
         self.status.doors_closed_locked = self.doors.are_locked
-
-    def _brake(self, before_n: float) -> None:
-        """Add holding brake, train protection and emergency brake to the forces that watch and interlocks allow.
-
-        :param before_n: demand of the last tick; the service brake remains while the emergency brake builds up.
-        """
-        traction, brake_min_n = self._window
-        reaction = NO_REACTION if self.onboard is None else self.onboard.reaction
-        service_n = self._protection_brake_n(reaction)
-        if brake_min_n == inf or reaction == EMERGENCY_BRAKE:
-            brake_min_n = inf
-            if self._emergency is not None:
-                brake_min_n = max(before_n, self._emergency.step())
-                self._constants = _with_brake(self._plain_constants, brake_min_n, self._motion.speed_mps)
-        traction = traction and reaction == NO_REACTION
-        self._window = Window(traction, max(brake_min_n, service_n, self.holding.acting_n))
-        if not traction and self._motion.actuator_n > 0.0:
-            # The contactors are open, as in the plant of ato.
-            self._motion = self._motion._replace(actuator_n=0.0)
-        self._is_braked = self.holding.is_applied or reaction > NO_REACTION or service_n > 0.0
-
-    def _protection_brake_n(self, reaction: int) -> float:
-        """Service brake that the train protection demands: it builds up and is released like that of the watch."""
-        if reaction < SERVICE_BRAKE and self._protection_brake_mps2 == 0.0:
-            return 0.0
-        level = WatchLevel.SERVICE_BRAKE if reaction >= SERVICE_BRAKE else WatchLevel.NORMAL
-        mass_kg, train = self._constants.mass_kg, self._train
-        braking_mps2 = max(0.0, -dynamics.applied_n(self._constants, self._window, self._motion) / mass_kg)
-        self._protection_brake_mps2 = watch_brake_mps2(
-            level, self._protection_brake_mps2, braking_mps2, not self.is_standing, self._step_s,
-            train.service_braking_mps2,
-        )  # fmt: skip
-        return self._protection_brake_mps2 * mass_kg
 
     def _start(self, after_s: float, position_m: float) -> None:
         """The first motion after a standstill: of the run, of a creep at a stop, or of a section."""
@@ -325,16 +222,6 @@ class LineTrain(TrainOnBus):
                 self.onboard.pass_balise(balise)
             super()._pass_balise(balise, after_s)
 
-    def _mark(self, kind: str, after_s: float = 0.0) -> None:
-        """Note a milestone of the standing train, after the current tick."""
-        self._event(kind, after_s, self._motion.position_m)
-
 
 def _place(balise: Balise) -> tuple[float, int]:
     return balise.true_m, balise.number
-
-
-def _with_brake(constants: TrainConstants, force_n: float, speed_mps: float) -> TrainConstants:
-    """The constants of a train whose brake can have this force, too."""
-    most_n = max(force_n, forces.effort_limit_n(constants.brake, speed_mps))
-    return constants._replace(brake=EffortLimit(most_n, inf, (), ()))
