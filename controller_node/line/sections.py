@@ -26,9 +26,15 @@ from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import fastest_time_s, generate
 from railhil.systems.ato.scenario.model import Scenario, TargetCurve
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.systems.line.scenario.sections import choose_running_time, cut_section, make_target, section_scenario
+from railhil.systems.line.scenario.sections import (
+    RUNNING_TIME_MAX_RATIO,
+    choose_running_time,
+    cut_section,
+    make_target,
+    section_scenario,
+)
 
-#: Reserve over the fastest curve of a section that begins anew from a halt, where no time is left.
+#: Reserve over the fastest curve from a halt, where no time is left.
 HALT_RESERVE: Final = 1.05
 _PER_M: Final = 10_000
 
@@ -196,7 +202,7 @@ class SectionControllers:
         left_s = (there.arrive_s or 0.0) - k * line.timing.control_period_ns / 1e9
         try:
             fastest_s = fastest_time_s(track, line.train, distance_m, line.route.generate)
-            running_time_s = max(left_s, fastest_s * HALT_RESERVE)
+            running_time_s = min(max(left_s, fastest_s * HALT_RESERVE), fastest_s * RUNNING_TIME_MAX_RATIO)
             target = generate(track, line.train, distance_m, running_time_s, line.route.generate)
         except CurveError:
             return None
