@@ -6,6 +6,7 @@ the emergency brake: its demands must be fresh.
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import replace
 from typing import Final
 
@@ -15,6 +16,7 @@ from railhil.plant_sim.atp.readings import Authority, Demands, Readings, Track, 
 from railhil.scenarios import streams
 from railhil.systems.ato.scenario.model import Balise, Line
 from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.protection import protection_balises
 
 #: Demands may be this old.
 FRESH_S: Final = 0.4
@@ -37,7 +39,10 @@ class Onboard:
         self.period_ticks = max(1, round(PERIOD_S / tick_s))
         self.reaction = NO_REACTION
         self.sensors = AxleSensors(replace(scenario.sensors, wheel_factor=wheel_factor), seed, streams.PROTECTION_NOISE)
-        self._legs = tuple(map(_track, scenario.legs))
+        own = [_own_balises(scenario, leg) for leg in range(len(scenario.legs))]
+        self._legs = tuple(_track(leg, ahead) for leg, ahead in zip(scenario.legs, own, strict=True))
+        #: Balises that only the protection sees, ahead of the train.
+        self._own_of_legs, self._own = own, deque(own[scenario.stops[0].leg])
         data = TrainData(train.length_m, train.speed_limit_mps, train.gravity_mps2)
         self._protection = TrainProtection(scenario.atp, data, self._legs[scenario.stops[0].leg], 0.0)
         self._tick_s = tick_s
@@ -57,6 +62,7 @@ class Onboard:
     def enter(self, leg: int, position_m: float) -> None:
         """Another leg begins, at standstill."""
         self._protection.enter(self._legs[leg], self._odometer_m(position_m), position_m)
+        self._own = deque(one for one in self._own_of_legs[leg] if one.true_m > position_m)
 
     def look(
         self, tick: int, position_m: float, speed_mps: float, authority: Authority, doors_locked: bool, held: bool
@@ -67,6 +73,8 @@ class Onboard:
         :returns: whether it reacts more strongly than before.
         """
         before = self.reaction
+        while self._own and self._own[0].true_m <= position_m:
+            self.pass_balise(self._own.popleft())
         if not self.is_dead:
             self._fresh_tick = tick
             demands = self._protection.step(
@@ -90,12 +98,20 @@ class Onboard:
         return self.sensors.odometer_mm(position_m) / 1000
 
 
-def _track(leg: Line) -> Track:
-    return Track(
-        leg.grade_permil,
-        leg.speed_limit_mps,
-        tuple((balise.number, balise.surveyed_m) for balise in leg.balises),
-    )
+def _own_balises(scenario: LineScenario, leg: int) -> list[Balise]:
+    """The balises of a leg that only the protection sees, in their order."""
+    spacing_m, balises = scenario.atp.balise_spacing_m, scenario.legs[leg].balises
+    found: list[Balise] = []
+    for section in scenario.sections:
+        if section.leg == leg:
+            from_m, to_m = (scenario.stops[number].position_m for number in (section.departure, section.arrival))
+            found += protection_balises(spacing_m, balises, from_m, to_m)
+    return sorted(found, key=lambda one: one.true_m)
+
+
+def _track(leg: Line, own: list[Balise]) -> Track:
+    known = (*leg.balises, *own)
+    return Track(leg.grade_permil, leg.speed_limit_mps, tuple((one.number, one.surveyed_m) for one in known))
 
 
 def _reaction(demands: Demands) -> int:

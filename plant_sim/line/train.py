@@ -172,7 +172,7 @@ class LineTrain(BrakedTrain):
             grade_permil = forces.mean_grade_permil(self._grades, motion.position_m)
             against_n = forces.resistance_n(self._constants, 0.0, grade_permil)
             self.holding.follow(max(0.0, motion.actuator_n), against_n, not journey.has_arrived)
-        self.is_busy = standing or bool(doors.opened) or self.holding.is_applied
+        self.is_busy = standing or bool(doors.opened) or self.holding.is_applied or not doors.are_locked
 
     def _move_doors(self) -> None:
         """Move doors that were ordered to open over the coming tick, and report at its end what they have become."""
@@ -194,6 +194,7 @@ class LineTrain(BrakedTrain):
     def show_doors(self) -> None:
         """Take the state of the doors into the interlock of traction."""
         self.status.doors_closed_locked = self.doors.are_locked
+        self.is_busy = True
 
     def _start(self, after_s: float, position_m: float) -> None:
         """The first motion after a standstill: of the run, of a creep at a stop, or of a section."""

@@ -13,7 +13,7 @@ from railhil.plant_sim.atp.readings import Authority
 from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
-from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus
+from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus, DoorStat
 
 
 def begun(line: LineScenario | None = None) -> Driver:
@@ -122,6 +122,27 @@ def test_the_emergency_brake_reaches_its_deceleration_after_dead_time_and_lag() 
     driver.run(standing(driver))
     # Dead time and lag add up to 0.9 s; grade and resistance are small.
     assert (driver.train.tick - ticks) / 100 == pytest.approx(from_mps / 1.2 + 0.9, rel=0.1)
+
+
+def test_the_protection_knows_its_place_between_the_stops() -> None:
+    driver = begun()
+    driver.run(lambda: driver.train.position_01mm > 9_000_000)
+    onboard = driver.train.onboard
+    assert onboard is not None
+    # Half a metre, and 2 % of 300 m to each side.
+    assert onboard.demands.uncertainty_m < 7.0
+
+
+def test_a_lock_that_is_lost_under_way_is_told() -> None:
+    driver = begun()
+    under_way(driver)
+    driver.train.makers[DoorStat.PORT]()
+    driver.train.doors.left.has_lost_lock = True
+    driver.train.show_doors()
+    driver.tick()
+    found = driver.train.makers[DoorStat.PORT]()
+    assert isinstance(found, DoorStat)
+    assert found.doors_locked == FLAG_FALSE
 
 
 def test_a_red_signal_in_the_section_ends_the_authority_of_a_train_that_passes_it() -> None:
