@@ -12,6 +12,7 @@ from typing import Any
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, flag
 from railhil.plant_sim.line.train import LineTrain
 from railhil.scenarios.load import load
+from railhil.scenarios.profiles import Profile
 from railhil.systems.ato.scenario.generate import CurveLimits, generate
 from railhil.systems.ato.scenario.model import Balise, Line, RunPlan, Scenario, Uniform
 from railhil.systems.line.scenario.model import (
@@ -36,46 +37,67 @@ STOPS = (
 )
 
 
+#: Out to B and back, in run positions.
+OUT_AND_BACK = (
+    STOPS[0],
+    replace(STOPS[1], turn_back=True),
+    StationStop("A again", 2400.0, leg=1, platform="right", psd=True, arrive_s=300.0, service="terminal"),
+)
+GRADES: Profile = ((-118.0, 0.0), (600.0, -8.0), (1500.0, 4.0), (2600.0, 0.0))
+LIMITS: Profile = ((-118.0, 60 / 3.6), (20.0, 80 / 3.6), (3300.0, 60 / 3.6))
+
+
+def make_leg(number: int, stops: tuple[StationStop, ...], grade_permil: Profile, speed_limit_mps: Profile) -> Line:
+    """A leg with balises in front of its served stops, numbered along the leg."""
+    served_m = [stop.position_m for stop in stops[1:] if stop.service != "pass" and stop.leg == number]
+    places_m = [at_m - before_m for at_m in served_m for before_m in (180.0, 90.0, 40.0, 10.0, 0.0)]
+    balises = tuple(Balise(20 * number + place, at_m, at_m) for place, at_m in enumerate(places_m, 1))
+    return Line(f"leg {number}", grade_permil, speed_limit_mps, balises)
+
+
+def out_and_back() -> LineScenario:
+    """To the second stop and back to the first one."""
+    out = make_leg(0, OUT_AND_BACK, GRADES, LIMITS)
+    back = make_leg(1, OUT_AND_BACK, ((1082.0, 8.0), (1800.0, 0.0)), ((1082.0, 60 / 3.6),))
+    return four_stops(stops=OUT_AND_BACK, legs=(out, back))
+
+
 @lru_cache
 def four_stops(
     disturbance_s: float = 0.0,
     signals: tuple[RouteSignal, ...] = (),
     stops: tuple[StationStop, ...] = STOPS,
+    legs: tuple[Line, ...] = (),
     **route: Any,
 ) -> LineScenario:
-    """The four-stop line of the documentation; it leaves its first stop at 5 s."""
+    """The four-stop line of the documentation; it leaves its first stop at 5 s.
+
+    :param legs: of other stops.
+    """
     single = load("yizhuang_05")
     assert isinstance(single, Scenario)
     served = [number for number, stop in enumerate(stops) if stop.service != "pass"]
-    balises = [
-        stops[number].position_m - before_m for number in served[1:] for before_m in (180.0, 90.0, 40.0, 10.0, 0.0)
-    ]
-    leg = Line(
-        "four stops",
-        ((-118.0, 0.0), (600.0, -8.0), (1500.0, 4.0), (2600.0, 0.0)),
-        ((-118.0, 60 / 3.6), (20.0, 80 / 3.6), (3300.0, 60 / 3.6)),
-        tuple(Balise(number, at_m, at_m) for number, at_m in enumerate(balises, 1)),
-    )
+    legs = legs or (make_leg(0, stops, GRADES, LIMITS),)
     sections = []
     for departure, arrival in pairwise(served):
         here, there = stops[departure], stops[arrival]
         running_s = (there.arrive_s or 0.0) - (here.depart_s or 0.0)
-        track = cut_section(leg, single.train, here.position_m, there.position_m, "section")
+        track = cut_section(legs[there.leg], single.train, here.position_m, there.position_m, "section")
         target = generate(track, single.train, there.position_m - here.position_m, running_s, CurveLimits())
-        sections.append(Section(departure, arrival, 0, running_s, running_s, target))
+        sections.append(Section(departure, arrival, there.leg, running_s, running_s, target))
     last = stops[-1]
     common = {item.name: getattr(single, item.name) for item in fields(Scenario)} | {
         "name": "four_stops",
         "title": "Four stops, one skipped",
         "system": "line",
-        "line": leg,
+        "line": legs[0],
         "target": sections[0].target,
         "plan": RunPlan(last.position_m, last.arrive_s or 0.0, 0.3, 5.0, 300.0),
         "perturbations": LinePerturbations(),
     }
     return LineScenario(
         **common,
-        legs=(leg,),
+        legs=legs,
         stops=stops,
         sections=tuple(sections),
         route=replace(
