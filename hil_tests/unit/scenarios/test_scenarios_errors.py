@@ -80,6 +80,11 @@ CASES = {
     "balise number": ("[line]\nbalises = [{number = 256, surveyed_m = 3}]", "line.balises[0].number", "255"),
     "balise key": ("[line]\nbalises = [{number = 1, position_m = 3}]", "line.balises[0].position_m", "surveyed_m"),
     "stop without stops": ('[line]\nfrom_stop = "A"\nto_stop = "B"', "line.from_stop", "the line has none"),
+    "stops without a choice": (
+        '[line]\nstops = [{name = "A", position_m = 0}, {name = "B", position_m = 9}]',
+        "line.stops",
+        'found 2 stops in system ato, allowed 2 of them by from_stop and to_stop; several stops: system = "line"',
+    ),
     "stop of a name that stands twice": (
         '[line]\nfrom_stop = "A"\nto_stop = "B"\nstops = [{name = "A", position_m = 0}, {name = "A", position_m = 9}]',
         "line.from_stop",

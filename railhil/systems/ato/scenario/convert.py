@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from railhil.common.errors import Words
+from railhil.common.errors import Finding, Sentence, Words
 from railhil.scenarios.validation import Keys, Refuse
 from railhil.systems.ato.scenario import model, schema
 from railhil.systems.ato.scenario.generate import CurveLimits
@@ -80,6 +80,13 @@ def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> RunL
     """
     whole = whole_line(table, train_length_m, refuse)
     if table.from_stop is None and table.to_stop is None:
+        if table.stops:
+            found = Finding(f"{len(table.stops)} stops in system ato")
+            allowed = '2 of them by from_stop and to_stop; several stops: system = "line"'
+            raise refuse(("line", "stops"), found, allowed)
+        if table.balises_before_stop_m:
+            key = ("line", "balises_before_stop_m")
+            raise refuse(key, table.balises_before_stop_m, Sentence("used only with line.from_stop"))
         return RunLine(whole.line, None, _remarks(whole, 0.0))
     here, there = (
         find_stop(whole, ("line", key), choice, refuse)

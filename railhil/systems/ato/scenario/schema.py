@@ -144,11 +144,6 @@ BalisesBeforeStop = Annotated[list[NotNegative], Field(max_length=9)]
 class LineTable(TrackTable):
     """A line, optionally cut between two stops."""
 
-    BESIDE: ClassVar[Mapping[str, str]] = {
-        **TrackTable.BESIDE,
-        "stops": "from_stop",
-        "balises_before_stop_m": "from_stop",
-    }
     from_stop: Text | int | None = None
     to_stop: Text | int | None = None
     balises_before_stop_m: BalisesBeforeStop = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from railhil.common.digits import count_of
 from railhil.common.errors import Finding, Words
 from railhil.scenarios.layers import DATA, Layers, read_toml
 from railhil.scenarios.validation import Keys, Refuse, validate
@@ -36,7 +37,7 @@ def find_targets(
         names[leg] = [((*key, row), name) for row, name in enumerate(table.target_files)]
         count = sum(way.leg == leg for way in timetable.ways)
         if names[leg] and len(names[leg]) != count:
-            raise refuse(key, Finding(f"{len(names[leg])} files"), f"{count}, one for each section of the leg")
+            raise refuse(key, Finding(count_of(len(names[leg]), "file")), f"{count}, one for each section of the leg")
     sections = []
     for way in timetable.ways:
         here, there = timetable.stops[way.departure], timetable.stops[way.arrival]

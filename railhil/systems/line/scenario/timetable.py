@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+from railhil.common.digits import count_of
 from railhil.common.errors import Finding, Words, short_number
 from railhil.scenarios.validation import Keys, Refuse
 from railhil.systems.ato.scenario import convert
@@ -134,8 +135,8 @@ def _pick(leg: LegTable | None, route: RouteTable, name: str, stop: LaidStop, re
             raise refuse(keys, given, f"one value for all stops, or {name} in every route.leg")
     if isinstance(given, list):
         if stop.order >= len(given):
-            words = Finding(f"{len(given)} values")
-            raise refuse(keys, words, f"one for each stop of the leg in the order of running; {stop.name} has none")
+            words = Finding(count_of(len(given), "value"))
+            raise refuse(keys, words, f"one for each stop of the leg; {stop.name} has none")
         return given[stop.order]
     return given
 
@@ -189,7 +190,7 @@ class _Times:
         for leg, ways in enumerate(self._leg_ways):
             table, key = self._table(leg)
             if table.running_time_s and len(table.running_time_s) != len(ways):
-                found = Finding(f"{len(table.running_time_s)} values")
+                found = Finding(count_of(len(table.running_time_s), "value"))
                 raise self._refuse((*key, "running_time_s"), found, f"{len(ways)}, one for each section of the leg")
 
     def _table(self, leg: int) -> tuple[RouteTable | LegTable, Keys]:
@@ -252,7 +253,7 @@ class _Times:
         place = ways.index(way)
         if place >= len(dwell_s):
             allowed = f"{len(ways) - 1}, one for each stop between the first and the last of the leg"
-            raise self._refuse((*key, "dwell_s"), Finding(f"{len(dwell_s)} values"), allowed)
+            raise self._refuse((*key, "dwell_s"), Finding(count_of(len(dwell_s), "value")), allowed)
         return dwell_s[place], (*key, "dwell_s", place)
 
     def _round_up(self, time_s: float) -> float:
