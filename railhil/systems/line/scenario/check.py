@@ -15,6 +15,7 @@ from railhil.systems.ato.scenario import check
 from railhil.systems.ato.scenario.model import Train, WatchLimits
 from railhil.systems.line.scenario.legs import LaidRoute
 from railhil.systems.line.scenario.model import LinePerturbations, LineScenario, StationStop
+from railhil.systems.line.scenario.protection_check import check_targets
 from railhil.systems.line.scenario.schema import STOPS_MAX, LineScenarioFile
 from railhil.systems.line.scenario.sections import section_scenario
 
@@ -91,3 +92,4 @@ def check_scenario(scenario: LineScenario, contract: Contract, refuse: Refuse) -
             check_carried(contract, check.train_reaches(on_leg, target), refuse)
     for leg in scenario.legs:
         check.check_authority(replace(scenario, line=leg), refuse)
+    check_targets(scenario, refuse)

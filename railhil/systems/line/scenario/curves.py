@@ -25,7 +25,8 @@ def find_targets(
 ) -> tuple[Section, ...]:
     """The sections with their curves.
 
-    The curve of a file is used if it was generated with the same limits and stops at the section's place and time.
+    The curve of a file is used if it stops at the section's place and time. If the route gives limits for curves, it is
+    used only if it was generated with these.
 
     :raises InputError: a file is missing or wrong, or no curve is as fast as the timetable.
     """
@@ -45,7 +46,10 @@ def find_targets(
         assert there.arrive_s is not None
         running_time_s = there.arrive_s - here.depart_s
         track = cut_section(laid.legs[way.leg], train, here.position_m, there.position_m, "")
-        target = _read_target(names[way.leg].pop(0), layers, way, running_time_s, limits) if names[way.leg] else None
+        target = None
+        if names[way.leg]:
+            asked = limits if "generate" in route.model_fields_set else None
+            target = _read_target(names[way.leg].pop(0), layers, way, running_time_s, asked)
         word = f"{here.name} - {there.name}"
         curves: list[TargetCurve] = []
         if route.regulation == "profiles":
@@ -69,12 +73,13 @@ def _generate(
 
 
 def _read_target(
-    named: tuple[Keys, str], layers: Layers, way: Way, running_time_s: float, limits: CurveLimits
+    named: tuple[Keys, str], layers: Layers, way: Way, running_time_s: float, limits: CurveLimits | None
 ) -> TargetCurve | None:
-    """The curve of a file; None if it is for another section, timetable or limits."""
+    """The curve of a file; None if it is for another section, timetable or limits (None: any)."""
     file = layers.refer(*named, DATA / "targets")
     table = validate(TargetTable, read_toml(file), lambda _: file)
-    if table.nodes_s_mps2 is None or table.generate is None or convert.curve_limits(table.generate) != limits:
+    made_with = None if table.generate is None else convert.curve_limits(table.generate)
+    if table.nodes_s_mps2 is None or limits not in (None, made_with):
         return None
     curve = TargetCurve(tuple(table.nodes_s_mps2))
     evaluated = Target(curve)
