@@ -20,11 +20,11 @@ from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.curves import find_targets
 from railhil.systems.line.scenario.legs import LaidRoute, lay_route, list_overruns
 from railhil.systems.line.scenario.model import StationStop
-from railhil.systems.line.scenario.protection import Protection
+from railhil.systems.line.scenario.protection import ATP_TAGS, check_protection, protection_of
 from railhil.systems.line.scenario.statement import STATEMENT
 from railhil.systems.line.scenario.timetable import make_timetable
 
-_TAGS = (*TRAIN_TAGS, *FAULT_TAGS, *schema.COUNT_TAGS)
+_TAGS = (*TRAIN_TAGS, *FAULT_TAGS, *ATP_TAGS, *schema.COUNT_TAGS)
 #: Sections of a scenario of ``ato`` that ``[route]`` replaces, and keys of its line.
 _REPLACED = (("plan",), ("target",), ("line", "from_stop"), ("line", "to_stop"))
 
@@ -52,7 +52,8 @@ def read_line_scenario(
     check.check_file(file, timing, watch, perturbations, contract, refuse)
     laid = lay_route(file, train.length_m, lambda key, name: _read_line(layers, key, name), refuse)
     check.check_legs(train, laid, refuse)
-    protection = Protection(enabled=file.atp.enabled)
+    protection = protection_of(file.atp, train)
+    check_protection(protection, refuse)
     timetable = make_timetable(file.route, laid, train, protection, timing.control_period_ns, refuse)
     check.check_balises(laid, timetable.stops, refuse)
     sections = find_targets(file.route, laid, timetable, train, layers, refuse)

@@ -24,6 +24,7 @@ from railhil.scenarios.schema import (
 from railhil.systems.ato.scenario import schema
 from railhil.systems.ato.scenario.model import DISTANCE_MAX_M
 from railhil.systems.line.scenario.model import Regulation, Service, Side
+from railhil.systems.line.scenario.protection import AtpTable
 
 #: A time of the run.
 Time = Annotated[float, Field(ge=0, le=RUNNING_TIME_MAX_S)]
@@ -45,12 +46,6 @@ Durations = Annotated[
 ]
 Sides = Annotated[Annotated[Side, Tag("all")] | Annotated[list[Side], Tag("each")], Discriminator(_count)]
 Flags = Annotated[Annotated[bool, Tag("all")] | Annotated[list[bool], Tag("each")], Discriminator(_count)]
-
-
-class AtpTable(Table):
-    """Train protection."""
-
-    enabled: bool = True
 
 
 class EmergencyTable(Table):

@@ -17,7 +17,7 @@ from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s
 from railhil.systems.ato.scenario.model import Train
 from railhil.systems.line.scenario.legs import LaidRoute, LaidStop
 from railhil.systems.line.scenario.model import Service, StationStop
-from railhil.systems.line.scenario.protection import Protection
+from railhil.systems.line.scenario.protection import Protection, check_overlaps
 from railhil.systems.line.scenario.schema import LegTable, RouteTable
 from railhil.systems.line.scenario.sections import cut_section
 
@@ -94,7 +94,7 @@ def _describe(
     def choose(given: float | None, usual: float) -> float:
         return usual if given is None else given
 
-    return StationStop(
+    made = StationStop(
         name=stop.name,
         position_m=stop.position_m,
         leg=stop.leg,
@@ -103,8 +103,12 @@ def _describe(
         psd=bool(psd),
         stop_error_max_m=choose(table.stop_error_max_m, route.stop_error_max_m),
         dwell_min_s=choose(table.dwell_min_s, route.dwell_min_s),
+        eoa_overlap_m=choose(table.eoa_overlap_m, protection.eoa_overlap_m),
+        svl_overlap_m=choose(table.svl_overlap_m, protection.svl_overlap_m),
         turn_back=turns,
     )
+    check_overlaps(made.eoa_overlap_m, made.svl_overlap_m, stop.key_of("eoa_overlap_m"), refuse)
+    return made
 
 
 def _check_service(stop: LaidStop, place: int, count: int, turns: bool, refuse: Refuse) -> Service:
