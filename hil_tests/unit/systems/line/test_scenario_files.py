@@ -166,10 +166,12 @@ def test_other_times_than_those_of_the_target_files_are_generated(tmp_path: Path
 
 
 def test_a_line_regulated_by_profiles_has_a_curve_for_each(tmp_path: Path) -> None:
-    scenario = written(tmp_path, '[route]\nregulation = "profiles"\nprofiles_percent = [3, 5, 12]')
+    scenario = written(
+        tmp_path, '[route]\nregulation = "profiles"\nprofiles_percent = [0, 5, 12]\n[atp]\nenabled = false'
+    )
     for section in scenario.sections:
         times_s = [Target(curve).stop_time_s for curve in section.profiles]
-        assert times_s == pytest.approx([section.fastest_s * (1 + share) for share in (0.03, 0.05, 0.12)])
+        assert times_s == pytest.approx([section.fastest_s * (1 + share) for share in (0.0, 0.05, 0.12)])
 
 
 def test_signals_of_a_leg_have_run_positions(tmp_path: Path) -> None:
