@@ -20,7 +20,7 @@ from railhil.systems.ato.scenario.perturb import perturb
 from railhil.systems.ato.scenario.target import Target
 from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.systems.line.scenario.perturb import atp_wheel_factor, perturb_line, section_mass_factors
+from railhil.systems.line.scenario.perturb import draw_line
 from railhil.systems.line.scenario.regenerate import target_texts
 
 SHIPPED = ["four_stops", "yizhuang_out", "yizhuang_back", "yizhuang_round"]
@@ -166,9 +166,7 @@ def test_other_times_than_those_of_the_target_files_are_generated(tmp_path: Path
 
 
 def test_a_line_regulated_by_profiles_has_a_curve_for_each(tmp_path: Path) -> None:
-    scenario = written(
-        tmp_path, '[route]\nregulation = "profiles"\nprofiles_percent = [0, 5, 12]\n[atp]\nenabled = false'
-    )
+    scenario = written(tmp_path, '[route]\nregulation = "profiles"\n[atp]\nenabled = false')
     for section in scenario.sections:
         times_s = [Target(curve).stop_time_s for curve in section.profiles]
         assert times_s == pytest.approx([section.fastest_s * (1 + share) for share in (0.0, 0.05, 0.12)])
@@ -191,29 +189,36 @@ def test_a_line_of_one_leg_is_drawn_like_a_train_of_ato() -> None:
             balise_position_error_m=Uniform(-0.05, 0.05),
         ),
     )
-    drawn, alone = perturb_line(scenario, 7), perturb(scenario, 7)
-    assert (drawn.line, drawn.train) == (alone.line, alone.train)
-    assert drawn.legs == (alone.line,)
-    assert section_mass_factors(scenario, 7) == (1.0, 1.0)
-    assert atp_wheel_factor(scenario, 7) == 1.0
+    drawn, alone = draw_line(scenario, 7), perturb(scenario, 7)
+    assert (drawn.scenario.line, drawn.scenario.train) == (alone.line, alone.train)
+    assert drawn.scenario.legs == (alone.line,)
+    assert drawn.section_masses == (1.0, 1.0)
 
 
 def test_all_legs_are_drawn_together_and_a_mass_for_each_section() -> None:
     scenario = line("yizhuang_round")
-    drawn, masses = perturb_line(scenario, 5), section_mass_factors(scenario, 5)
+    drawn = draw_line(scenario, 5)
     nominal = [permil for leg in scenario.legs for _, permil in leg.grade_permil]
-    found = [permil for leg in drawn.legs for _, permil in leg.grade_permil]
+    found = [permil for leg in drawn.scenario.legs for _, permil in leg.grade_permil]
     factor, offset_permil = np.polyfit(nominal, found, 1)
     assert np.array(found) == pytest.approx(np.array(nominal) * factor + offset_permil, abs=1e-9)
     assert factor != pytest.approx(1.0, abs=1e-3)
-    errors = [balise.true_m - balise.surveyed_m for leg in drawn.legs for balise in leg.balises]
+    errors = [balise.true_m - balise.surveyed_m for leg in drawn.scenario.legs for balise in leg.balises]
     assert len({*errors}) == 132
     assert max(map(abs, errors)) <= 0.05
-    assert len({*masses}) == 26
-    assert 0.9 <= min(masses) <= max(masses) <= 1.1
+    assert len({*drawn.section_masses}) == 26
+    assert 0.9 <= min(drawn.section_masses) <= max(drawn.section_masses) <= 1.1
     last = generator(5, PERTURBATION).random(9 + 132 + 1)[-1]
-    assert atp_wheel_factor(scenario, 5) == pytest.approx(0.995 + 0.01 * last)
-    assert drawn.sha256 == scenario.sha256
+    assert drawn.atp_wheel_factor == pytest.approx(0.995 + 0.01 * last)
+    assert drawn.scenario.sha256 == scenario.sha256
+
+
+def test_a_nominal_run_draws_nothing() -> None:
+    scenario = line("yizhuang_out")
+    drawn = draw_line(scenario, 5, drawn=False)
+    assert drawn.scenario is scenario
+    assert drawn.section_masses == (1.0,) * 13
+    assert drawn.atp_wheel_factor == 1.0
 
 
 def test_the_shipped_curves_of_the_way_out_are_those_of_the_single_runs() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from railhil.scenarios import streams
 from railhil.scenarios.profiles import Profile
@@ -11,40 +11,44 @@ from railhil.systems.ato.scenario.perturb import apply_draws, unit_draws
 from railhil.systems.line.scenario.model import LineScenario
 
 
-def perturb_line(line: LineScenario, seed: int) -> LineScenario:
+@dataclass(frozen=True, slots=True)
+class DrawnLine:
+    """The scenario of a run, and what its draws add.
+
+    ``section_masses``: factor of the train's mass in each section. ``atp_wheel_factor``: share of the true distance and
+    speed that the train protection's own axle sensor reads.
+    """
+
+    scenario: LineScenario
+    section_masses: tuple[float, ...]
+    atp_wheel_factor: float = 1.0
+
+
+def draw_line(scenario: LineScenario, seed: int, drawn: bool = True) -> DrawnLine:
     """What :func:`railhil.systems.ato.scenario.perturb.perturb` does for a train of ``ato``, for the whole line.
 
-    The train, the grades of all legs and the balises of all legs are drawn once.
+    The train, the grades of all legs and the balises of all legs are drawn once. The number for the wheel of the train
+    protection follows those of the balises, so it changes none of them. The masses of the sections come from a stream
+    of their own, one number each.
 
+    :param drawn: whether the run is perturbed; otherwise nothing is drawn.
     :raises ValueError: a negative seed.
     """
-    joined = replace(line, line=_join(line.legs))
-    actual = apply_draws(joined, unit_draws(joined, seed).tolist())
-    legs = _split(actual.line, line.legs)
-    return replace(line, train=actual.train, sensors=actual.sensors, timing=actual.timing, line=legs[0], legs=legs)
-
-
-def section_mass_factors(line: LineScenario, seed: int) -> tuple[float, ...]:
-    """Factor of the train's mass in each section, one number of a stream of their own each.
-
-    It is on top of the factor that is drawn for the whole line.
-
-    :raises ValueError: a negative seed.
-    """
-    units = streams.generator(seed, streams.SECTION_LOAD).random(len(line.sections)).tolist()
-    return tuple(_between(line.perturbations.section_mass_factor, unit) for unit in units)
-
-
-def atp_wheel_factor(line: LineScenario, seed: int) -> float:
-    """Share of the true distance and speed that the train protection's own axle sensor reads.
-
-    Its number follows those of the balises, so it changes none of them.
-
-    :raises ValueError: a negative seed.
-    """
-    earlier = len(unit_draws(replace(line, line=_join(line.legs)), seed))
-    unit = streams.generator(seed, streams.PERTURBATION).random(earlier + 1).tolist()[-1]
-    return _between(line.perturbations.atp_wheel_factor, unit)
+    if not drawn:
+        return DrawnLine(scenario, (1.0,) * len(scenario.sections))
+    joined = replace(scenario, line=_join(scenario.legs))
+    units = unit_draws(joined, seed).tolist()
+    actual = apply_draws(joined, units)
+    assert isinstance(actual, LineScenario)
+    legs = _split(actual.line, scenario.legs)
+    given = scenario.perturbations
+    last = streams.generator(seed, streams.PERTURBATION).random(len(units) + 1).tolist()[-1]
+    loads = streams.generator(seed, streams.SECTION_LOAD).random(len(scenario.sections)).tolist()
+    return DrawnLine(
+        replace(actual, line=legs[0], legs=legs),
+        tuple(_between(given.section_mass_factor, unit) for unit in loads),
+        _between(given.atp_wheel_factor, last),
+    )
 
 
 def _between(bounds: Uniform | None, unit: float) -> float:
