@@ -68,8 +68,8 @@ class Area:
     """A rectangle; without an extent in one direction it is a line.
 
     ``x``, ``y``: from and to; None: over all of the axis. ``kind``: ``allowed``, ``line``, ``event``, ``fault`` or
-    ``bar``. ``text``: shown under the pointer. ``label``: its entry in the legend, once for equal ones; empty: none.
-    ``colour``: of a ``bar``, as in :class:`Look`.
+    ``block``. ``text``: shown under the pointer. ``label``: its entry in the legend, once for equal ones; empty: none.
+    ``colour``: of a ``block``, as in :class:`Look`.
     """
 
     x: tuple[float, float] | None

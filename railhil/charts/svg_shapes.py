@@ -80,7 +80,7 @@ def draw_area(axes: Axes, area: Area) -> str:
     y = whole(axes.y) if area.y is None else tuple(axes.scaled(np.array(area.y)).tolist())
     said = f"<title>{escaped(area.text)}</title>" if area.text else ""
     d = f"M{x[0]:.7g} {y[0]:.7g}V{y[1]:.7g}H{x[1]:.7g}V{y[0]:.7g}Z"
-    fill = f' style="fill:var(--rc-{area.colour})"' if area.kind == "bar" else ""
+    fill = f' style="fill:var(--rc-{area.colour})"' if area.kind == "block" else ""
     return f'<path class="{area.kind}"{fill}{run_of(area.run)} d="{d}">{said}</path>'
 
 
@@ -151,7 +151,7 @@ def marker(look: Look) -> str:
 
 def area_sample(kind: str, colour: str) -> str:
     """A patch of an area for the legend."""
-    fill = f' style="fill:var(--rc-{colour})"' if kind in ("bar", "band") else ""
+    fill = f' style="fill:var(--rc-{colour})"' if kind in ("block", "band") else ""
     patch = f'<path class="{kind}"{fill} d="M4 2H26V12H4Z"/>'
     return f'<svg class="sample" viewBox="0 0 30 14" aria-hidden="true">{patch}</svg>'
 

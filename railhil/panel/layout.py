@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from railhil.dbc import Contract
+from railhil.dbc import Contract, Signal
 from railhil.judge.declared import Place
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import table_of
@@ -93,7 +93,7 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     columns = [
         replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
     ]
-    columns += [_make_column(name, _find_unit(contract, port, signal)) for name, port, signal in judging.shown]
+    columns += [_make_column(name, _find_signal(contract, port, signal)) for name, port, signal in judging.shown]
     names = [column.name for column in columns]
     speed, target, position, command = (
         names.index(name) if name else -1 for name in (shown.speed, shown.target, shown.position, shown.command)
@@ -128,15 +128,18 @@ def _pick_strip(columns: Sequence[ShownColumn], speed: int, position: int) -> tu
     return tuple(at for at, one in enumerate(columns) if one.kind == SIGNAL and one.unit == unit and one.name != ERROR)
 
 
-def _make_column(name: str, unit: str) -> ShownColumn:
-    """A column that only the panel has."""
+def _make_column(name: str, signal: Signal) -> ShownColumn:
+    """A column that only the panel has; one whose values have words is a state."""
+    unit = signal.unit
+    if signal.values:
+        return ShownColumn(name, name.replace("_", " "), unit, 1.0, STATE, dict(signal.values))
     label = name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " ")
     is_speed = unit == _MPS
     return ShownColumn(name, label, _SPEED if is_speed else unit, 3.6 if is_speed else 1.0, SIGNAL)
 
 
-def _find_unit(contract: Contract, port: str, signal: str) -> str:
-    return next(item.unit for item in contract.port(port).signals if item.name == signal)
+def _find_signal(contract: Contract, port: str, signal: str) -> Signal:
+    return next(item for item in contract.port(port).signals if item.name == signal)
 
 
 def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 from railhil.charts.figure import Figure
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
+from railhil.judge.stops import worst_stop
 from railhil.record.hash_list import REPORT, listed_file
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
@@ -67,6 +68,7 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
         best="least" if all(criterion.better == "low" for criterion in criteria) else "best",
         rows=rows(scenario, criteria, runs),
         remark=judging.remark([run.score for run in runs]),
+        worst_stops=[worst_stop(run.score.listed_stops) for run in runs if run.score.listed_stops],
         stops=[(run.label, stop) for run in runs for stop in run.score.listed_stops],
         asked=judging.asked(scenario),
         published=judging.published if scenario.published else "",

@@ -120,8 +120,8 @@ def test_bands_bars_and_named_lines_are_in_the_markup_and_in_files() -> None:
         TIME,
         "y",
         areas=[
-            Area((1.0, 2.0), (0.0, 1.0), "bar", "first", label="open", colour="2"),
-            Area((4.0, 5.0), (0.0, 1.0), "bar", "second", label="open", colour="2"),
+            Area((1.0, 2.0), (0.0, 1.0), "block", "first", label="open", colour="2"),
+            Area((4.0, 5.0), (0.0, 1.0), "block", "second", label="open", colour="2"),
         ],
         bands=[Band("between", x, gap, x + 1.0, Look("6")), Band("wide", x, x, x, Look("0"), x_high=x + 0.5)],
         x_lines={0.0: "First <stop>", 0.01: "too near", 5.0: "", 4.0: "Last"},

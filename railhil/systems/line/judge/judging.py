@@ -7,17 +7,20 @@ from pathlib import Path
 
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import count_of, text_beside_limit
+from railhil.judge.declared import Place
 from railhil.judge.judging import Judging
 from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.judge.stops import worst_stop
 from railhil.record.notes import WRAP_FAILURE
+from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge import judging as of_train
 from railhil.systems.ato.judge.criteria import OVERSPEED
 from railhil.systems.ato.judge.events import STATUS
 from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS, INTERVENTIONS, WARNINGS
 from railhil.systems.line.judge.events import INTERLOCKS, WATCHES, received
 from railhil.systems.line.judge.score import score
+from railhil.systems.line.planned import planned_motion
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.ato import SimTruth, TrkInfo
 from railhil.wire.line import AtoStat, AtpLim, AtpStat, DoorStat, StnInfo
@@ -35,6 +38,25 @@ COLUMNS = (
     ("protection_level", AtpLim.PORT, "AtpStatus"),
     ("distance_left_m", AtoStat.PORT, "DistanceLeft"),
 )
+
+
+#: Columns that the panel shows at first sight.
+_GAUGES = (
+    "permitted_mps",
+    "distance_left_m",
+    "lateness_s",
+    "ato_state",
+    "left_doors",
+    "right_doors",
+    "protection_level",
+)
+
+
+def reckoned(scenario: LineScenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:
+    """Lateness of the train at its place."""
+    port = SimTruth.PORT
+    place_m, speed_mps = trace.values(port, "TruePos"), trace.values(port, "TrueSpeed")
+    return [("lateness_s", "s", planned_motion(scenario).lateness_s(trace.times_s(port), place_m, speed_mps))]
 
 
 def asked(scenario: LineScenario) -> str:
@@ -116,9 +138,12 @@ JUDGING = Judging(
     counted=counted,
     status=STATUS,
     advice=advice,
-    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),),
+    reckoned=reckoned,
+    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"), ("ato_state", AtoStat.PORT, "AtoState")),
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
     ends_at_m=lambda scenario: scenario.plan.distance_m,
+    places=lambda scenario: [Place(stop.name, stop.position_m) for stop in scenario.stops],
+    gauges=_GAUGES,
 )
