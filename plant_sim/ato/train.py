@@ -105,6 +105,7 @@ class TrainOnBus(Plant):
 AFTER_STOP_S: Final = 1.0
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class RunEnd:
     """Determines when a train's run is over: some time after the train has stopped, or after the timetable's end if it
     has not.
