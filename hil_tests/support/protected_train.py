@@ -26,6 +26,8 @@ STEP_S = 0.1
 STOP_M = 1500.0
 #: A driver that starts again after the service brake of the protection may do it so often.
 _STANDS_MAX = 4
+#: The interval of the position counts this near to the end of authority.
+_NEAR_M = 30.0
 _TRAIN = "yizhuang_01_songjiazhuang_xiaocun"
 
 
@@ -41,6 +43,7 @@ TRAIN = shipped_train()
 class Worst:
     """One combination of faults; the defaults are none.
 
+    :ivar start_m: where the train is when the driver takes over, and the protection's position there.
     :ivar driver: ``ato`` brakes to its aim, ``frozen`` keeps full traction.
     :ivar aim_m: where the driver means to stop.
     :ivar driver_speed_factor: what it reads of its speed.
@@ -49,6 +52,8 @@ class Worst:
     :ivar signal: EoA of a red signal, and when it is put to red.
     """
 
+    start_m: float = 0.0
+    start_mps: float = 0.0
     driver: str = "ato"
     aim_m: float = STOP_M
     driver_speed_factor: float = 1.0
@@ -69,12 +74,12 @@ class Worst:
 
 @dataclass(slots=True)
 class Outcome:
-    """Where the front has come to stand, and what was supervised then."""
+    """Where the front has come to stand, and the widest interval of its position near the end of authority."""
 
     front_m: float
     eoa_m: float
     svl_m: float
-    uncertainty_m: float
+    widest_m: float
     demands: Demands
     events: list[tuple[float, int, int]]
 
@@ -91,10 +96,14 @@ def draw(rng: random.Random) -> Worst:
         if rng.random() > 0.2:
             shift_m = rng.uniform(-2.0, 2.0) if rng.random() < 0.2 else rng.uniform(-0.05, 0.05)
             balises.append((number, STOP_M - before_m, STOP_M - before_m + shift_m))
+    start_m = rng.uniform(300.0, 700.0)
     signal = None
     if rng.random() < 0.25:
-        signal = (rng.uniform(600.0, STOP_M), 0.0)
+        # Red before the train comes so near that it could not stop.
+        signal = (rng.uniform(start_m + 600.0, STOP_M), 0.0)
     return Worst(
+        start_m=start_m,
+        start_mps=min(limit for _, limit in limits) * rng.random(),
         driver=rng.choice(["ato", "frozen", "frozen"]),
         aim_m=STOP_M + rng.choice([0.0, rng.uniform(20.0, 400.0)]),
         driver_speed_factor=rng.choice([1.0, rng.uniform(0.5, 1.5)]),
@@ -112,7 +121,7 @@ def draw(rng: random.Random) -> Worst:
     )
 
 
-def run(worst: Worst, is_protected: bool = True, longest_s: float = 400.0) -> Outcome:
+def run(worst: Worst, is_protected: bool = True, longest_s: float = 120.0) -> Outcome:
     """Drive from standstill at 0 until the emergency brake has stopped the train, the train has stopped often or passed
     SvL by 200 m."""
     settings = worst.settings
@@ -120,14 +129,15 @@ def run(worst: Worst, is_protected: bool = True, longest_s: float = 400.0) -> Ou
         settings,
         TrainData(TRAIN.length_m, TRAIN.speed_limit_mps),
         Track(worst.grade_permil, worst.limits_mps, tuple((number, at_m) for number, at_m, _ in worst.balises)),
-        0.0,
+        worst.start_m,
     )
     authority = Authority(STOP_M + settings.eoa_overlap_m, STOP_M + settings.svl_overlap_m)
     constants, grades, full_n = _true_train(worst)
     lag = dynamics.lag(constants.pole_per_s, STEP_S)
-    motion, demands = Motion(0.0, 0.0, 0.0, 0.0), Demands()
+    motion, demands = Motion(worst.start_m, worst.start_mps, 0.0, 0.0), Demands()
     emergency = _Emergency(worst.emergency)
-    ahead = sorted(worst.balises, key=lambda balise: balise[2])
+    ahead = sorted((one for one in worst.balises if one[2] > worst.start_m), key=lambda balise: balise[2])
+    widest_m = 0.0
     since_cut_s, tick, stands = 0.0, 0, 0
     events: list[tuple[float, int, int]] = []
     while tick * STEP_S < longest_s:
@@ -137,18 +147,20 @@ def run(worst: Worst, is_protected: bool = True, longest_s: float = 400.0) -> Ou
         passed = []
         while ahead and ahead[0][2] <= motion.position_m:
             number, _, at_m = ahead.pop(0)
-            passed.append((number, at_m * worst.wheel_factor))
+            passed.append((number, (at_m - worst.start_m) * worst.wheel_factor))
         if is_protected:
             readings = Readings(
                 time_s,
                 motion.speed_mps * worst.wheel_factor,
-                motion.position_m * worst.wheel_factor,
+                (motion.position_m - worst.start_m) * worst.wheel_factor,
                 tuple(passed),
                 authority,
                 True,
                 False,
             )
             demands = protection.step(readings)
+            if motion.position_m > authority.eoa_m - _NEAR_M:
+                widest_m = max(widest_m, protection.place.most_m - protection.place.least_m)
             if not events or events[-1][1:] != (demands.status, demands.cause):
                 events.append((time_s, demands.status, demands.cause))
         since_cut_s = since_cut_s + STEP_S if demands.traction_cut else 0.0
@@ -170,7 +182,7 @@ def run(worst: Worst, is_protected: bool = True, longest_s: float = 400.0) -> Ou
         motion.position_m,
         authority.eoa_m,
         authority.svl_m,
-        0.5 * (protection.place.most_m - protection.place.least_m),
+        widest_m,
         demands,
         events,
     )
