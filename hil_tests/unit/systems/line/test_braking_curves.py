@@ -89,6 +89,17 @@ def test_times_are_those_of_independent_programs(golden: dict[str, Any]) -> None
     assert brake.t_indication_s(brake.t_bs1_s) == pytest.approx(times["t_indication"])
 
 
+def test_times_between_the_limits() -> None:
+    """The traction's rest counts for the emergency brake, and 0.8 T_bs for the indication where it is more than 5 s."""
+    slow = metro(t_be_s=1.2, t_cut_s=2.0, t_bs1_s=10.0, t_ind_min_s=5.0)
+    assert slow.t_traction_s == pytest.approx(2.0 - 0.5 - 0.8)
+    assert slow.t_berem_s == pytest.approx(0.5)
+    assert slow.t_indication_s(slow.t_bs1_s) == pytest.approx(8.0 + 1.0)
+    assert metro(t_be_s=1.0, t_cut_s=9.0).t_berem_s == 0.0
+    assert metro(t_be_s=1.0, t_cut_s=9.0, cut_at_warning=False).t_traction_s == 9.0
+    assert metro().cut_at_warning
+
+
 def test_a_closed_form_holds_on_the_level() -> None:
     curve = braking_curve(1000.0, 0.0, constant(0.9), LEVEL, FASTEST_MPS)
     assert curve.position_m(20.0) == pytest.approx(1000.0 - 400.0 / 1.8, abs=1e-12)
@@ -132,6 +143,8 @@ def test_the_lowest_grade_under_the_train_counts_and_not_the_mean() -> None:
 def test_unknown_rotating_masses_are_15_percent_uphill_and_2_percent_downhill() -> None:
     steps = metro(rotating_percent=None).gradient_steps(((0.0, 10.0), (500.0, -20.0)), 0.0)
     assert [value for _, value in steps] == pytest.approx([0.0981 / 1.15, -0.1962 / 1.02])
+    ((_, slight),) = metro(rotating_percent=None).gradient_steps(((0.0, 0.4),), 0.0)
+    assert slight == pytest.approx(0.003924 / 1.15)
 
 
 def test_dead_times_lengthen_the_way_to_the_ebd() -> None:
