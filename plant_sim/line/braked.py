@@ -116,7 +116,7 @@ class BrakedTrain(TrainOnBus):
             brake_min_n = inf
             if self._emergency is not None:
                 brake_min_n = max(before_n, self._emergency.step())
-                self._constants = _with_brake(self._plain_constants, brake_min_n, self._motion.speed_mps)
+                self._constants = with_brake(self._plain_constants, brake_min_n, self._motion.speed_mps)
         traction = traction and reaction == NO_REACTION
         self._window = Window(traction, max(brake_min_n, service_n, self.holding.acting_n))
         if not traction and self._motion.actuator_n > 0.0:
@@ -142,7 +142,7 @@ class BrakedTrain(TrainOnBus):
         self._event(kind, after_s, self._motion.position_m)
 
 
-def _with_brake(constants: TrainConstants, force_n: float, speed_mps: float) -> TrainConstants:
+def with_brake(constants: TrainConstants, force_n: float, speed_mps: float) -> TrainConstants:
     """The constants of a train whose brake can have this force, too."""
     most_n = max(force_n, forces.effort_limit_n(constants.brake, speed_mps))
     return constants._replace(brake=EffortLimit(most_n, inf, (), ()))

@@ -32,6 +32,7 @@ class Journey:
     :ivar arrival: number of the stop at which the section ends.
     :ivar has_arrived: the train has stood there since the departure.
     :ivar has_opened: its doors have been open there.
+    :ivar held_red: numbers of the signals that a fault holds red, from 1; 0: all, and the exits of the stops.
     :ivar next_stop: number of the next stop, served or not, that the train has not reached; None: there is none.
     """
 
@@ -46,8 +47,11 @@ class Journey:
         self.has_arrived = True
         self.has_opened = False
         self.next_stop: int | None = 1
+        self.held_red: set[int] = set()
         self.departure_tick = 0
         self._begin_m = self.stops[0].position_m
+        self._extra_s = 0.0
+        self._numbers = {signal: number for number, signal in enumerate(scenario.signals, 1)}
         #: When the exchange of passengers is over; None: the doors have not been open.
         self._exchanged_tick: int | None = None
         #: To the section's end.
@@ -78,6 +82,7 @@ class Journey:
         self.has_arrived = self.has_opened = False
         self._exchanged_tick = self._authority = None
         self.departure_tick = tick
+        self._extra_s = 0.0
         before, self.leg = self.leg, section.leg
         return before != self.leg
 
@@ -128,7 +133,19 @@ class Journey:
             return 0.0
         doors, drawn = self._scenario.route.doors, self._dwells[self.arrival]
         moving_s = doors.open_s + PSD_DELAY_S + doors.warn_s + doors.close_s
-        return max(0.0, self.stop.dwell_min_s - moving_s) + drawn.disturbance_s + drawn.hold_s
+        return max(0.0, self.stop.dwell_min_s - moving_s) + drawn.disturbance_s + drawn.hold_s + self._extra_s
+
+    def hold(self, extra_s: float, tick: int) -> bool:
+        """Prolong the exchange (a fault); False: the train has not arrived, or the exchange is over."""
+        if not self.has_arrived or self.section < 0:
+            return False
+        if self._exchanged_tick is None:
+            self._extra_s += extra_s
+            return True
+        if tick >= self._exchanged_tick:
+            return False
+        self._exchanged_tick += round(extra_s / self._tick_s)
+        return True
 
     def open(self, tick: int) -> None:
         """Note that all doors are open: the exchange begins, unless it has begun before."""
@@ -150,7 +167,7 @@ class Journey:
             return False
         if self._exchanged_tick is not None and tick < self._exchanged_tick:
             return False
-        return self.red_signal(position_m, tick * self._tick_s) is None
+        return not self.is_exit_red and self.red_signal(position_m, tick * self._tick_s) is None
 
     # -- signals ------------------------------------------------------------------------------------------------------
 
@@ -163,9 +180,25 @@ class Journey:
     def signal_aspect(self, position_m: float, tick: int) -> int:
         """What the next signal shows."""
         signal = self.next_signal(position_m)
+        if self.is_exit_red:
+            return SignalAspect.RED
         if signal is None:
             return SignalAspect.NONE
-        return SignalAspect.CLEAR if tick * self._tick_s >= signal.clear_s else SignalAspect.RED
+        return SignalAspect.RED if self._is_red(signal, tick * self._tick_s) else SignalAspect.CLEAR
+
+    def _is_red(self, signal: RouteSignal, now_s: float) -> bool:
+        held = self.held_red
+        return now_s < signal.clear_s or (bool(held) and not held.isdisjoint((0, self._numbers[signal])))
+
+    @property
+    def is_exit_red(self) -> bool:
+        """Whether a fault holds the exit of the stop red at which the train stands."""
+        return 0 in self.held_red and self.has_arrived and not self.is_at_terminal
+
+    def is_held_red(self, position_m: float, tick: int) -> bool:
+        """Whether a fault holds a signal red that now concerns the train."""
+        red = self.red_signal(position_m, tick * self._tick_s)
+        return self.is_exit_red or (red is not None and tick * self._tick_s >= red.clear_s)
 
     def red_signal(self, position_m: float, now_s: float) -> RouteSignal | None:
         """The first red signal ahead, up to the end of the section that the train is in or would depart into."""
@@ -176,7 +209,7 @@ class Journey:
         red = [
             one
             for one in self._scenario.signals
-            if one.leg == leg and position_m <= one.position_m <= to_m and now_s < one.clear_s
+            if one.leg == leg and position_m <= one.position_m <= to_m and self._is_red(one, now_s)
         ]
         return min(red, key=lambda one: one.position_m, default=None)
 
@@ -197,7 +230,9 @@ class Journey:
         red_m = [
             one.position_m
             for one in self._scenario.signals
-            if one.leg == self.leg and now_s < one.clear_s and self._begin_m < one.position_m < self._authority.eoa_m
+            if one.leg == self.leg
+            and self._begin_m < one.position_m < self._authority.eoa_m
+            and self._is_red(one, now_s)
         ]
         if red_m:
             return Authority(min(red_m), min(red_m) + SIGNAL_OVERLAP_M, True)

@@ -30,12 +30,14 @@ class Onboard:
     :param scenario: as surveyed and planned, without perturbations.
     :param wheel_factor: share of the true distance that its own axle reads.
     :ivar is_dead: it no longer works (a fault).
+    :ivar has_authority: it receives the movement authority (unless a fault prevents it).
     :ivar reaction: the strongest of its demands.
     """
 
     def __init__(self, scenario: LineScenario, seed: int, wheel_factor: float) -> None:
         train, tick_s = scenario.train, scenario.timing.base_tick_ns * 1e-9
         self.is_dead = False
+        self.has_authority = True
         self.period_ticks = max(1, round(PERIOD_S / tick_s))
         self.reaction = NO_REACTION
         self.sensors = AxleSensors(replace(scenario.sensors, wheel_factor=wheel_factor), seed, streams.PROTECTION_NOISE)
@@ -83,7 +85,7 @@ class Onboard:
                     self.sensors.speed_01mmps(speed_mps, tick) * 1e-4,
                     self._odometer_m(position_m),
                     tuple(self._passed),
-                    authority,
+                    authority if self.has_authority else None,
                     doors_locked,
                     held,
                 )

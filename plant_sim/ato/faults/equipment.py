@@ -11,7 +11,7 @@ whatever the drive does. An open main breaker, a lowered pantograph, or no line 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from math import prod
 
 from railhil.faults.activity import Activity
@@ -33,11 +33,14 @@ LINE_VOLTAGE = "line_voltage"
 
 
 class FaultyEquipment:
-    """Sets the fields of a train's status that active faults change; other fields stay as they are."""
+    """Sets the fields of a train's status that active faults change; other fields stay as they are.
 
-    def __init__(self, injections: Injections) -> None:
+    :param own: places whose faults the plant itself takes.
+    """
+
+    def __init__(self, injections: Injections, own: Collection[str] = ()) -> None:
         self._injections = injections
-        self._faults = injections.at("train", LINE_VOLTAGE, *INTERLOCKS)
+        self._faults = injections.at("train", *(name for name in (LINE_VOLTAGE, *INTERLOCKS) if name not in own))
 
     def change(self, status: TrainStatus) -> None:
         """Take the faults that have begun or ended."""

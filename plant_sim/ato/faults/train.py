@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import nan
-from typing import Any
+from typing import Any, ClassVar
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.capability import MISMATCHES
@@ -15,6 +15,7 @@ from railhil.plant_sim.ato import force_tables
 from railhil.plant_sim.ato.faults.equipment import FaultyEquipment
 from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.ato.faults.mismatch import Mismatch
+from railhil.plant_sim.ato.forces import TrainConstants
 from railhil.plant_sim.ato.plant import EventKind
 from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
@@ -28,7 +29,7 @@ from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, 
 _MODES = {int(mode): mode.name.lower() for mode in CtlMode}
 
 
-class _UnreadBalise(Balise):
+class UnreadBalise(Balise):
     """A balise of which the reader has only the number: its telegram's check variable is erroneous."""
 
 
@@ -38,19 +39,22 @@ class FaultyTrain(TrainOnBus):
     Faults begin and end at the instants of ticks, and change readings and motion from there on.
     Several faults act in the order of their numbers.
 
+    A plant that is made of another train has its own :meth:`_assemble`, ``OWN_PLACES`` and :meth:`_read_balise`.
+
+    :cvar OWN_PLACES: interlocks whose faults it takes by itself.
     :param faults: of the levels in :data:`railhil.plant_sim.faults.plants.LEVELS`, with their numbers.
     """
+
+    OWN_PLACES: ClassVar[tuple[str, ...]] = ()
 
     def __init__(
         self, scenario: Scenario, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]
     ) -> None:
-        # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
-        self._healthy = perturb(scenario, seed) if drawn else scenario
         tick_ns = scenario.timing.base_tick_ns
         tick_s = tick_ns * 1e-9
         self.injections = faulty = Injections(faults, seed, tick_ns)
         faulty.look(0, 0.0, 0.0)
-        self._equipment = FaultyEquipment(faulty)
+        self._equipment = FaultyEquipment(faulty, self.OWN_PLACES)
         self._reader = FaultyReader(faulty)
         self._speed_sensor = FaultySensor(faulty, quantity_of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
         self._position_sensor = FaultySensor(faulty, quantity_of(TrnPos, "odometer_mm", 1e3), tick_s, "position")
@@ -60,12 +64,11 @@ class FaultyTrain(TrainOnBus):
         self._extra_n = 0.0
         self._shifts_m: dict[int, float] = {}
         self._mode: int = CtlMode.INITIALISING
-        mismatch = self._mismatch()
-        super().__init__(mismatch.applied(self._healthy), seed, False, rate)
-        self._applied_mismatch = mismatch
+        self._applied_mismatch = self._mismatch()
+        self._assemble(scenario, seed, drawn, rate)
         self._actual_train = self._train
         self._base = self._constants
-        self._own_checks = FeltChecks(mismatch.applied(self._healthy), self._constants, self._forces)
+        self._own_checks = FeltChecks(self._applied_mismatch.applied(self._healthy), self._constants, self._forces)
         self._changed = True
         self._equipment.change(self.status)
         self._read()
@@ -75,6 +78,12 @@ class FaultyTrain(TrainOnBus):
                 self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
         if SpeedSdt.PORT in self.makers:
             self.makers[SpeedSdt.PORT] = self._safe_reading(self.makers[SpeedSdt.PORT])
+
+    def _assemble(self, scenario: Scenario, seed: int, drawn: bool, rate: float) -> None:
+        """Make the train, with the mismatch from the start on."""
+        # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
+        self._healthy = perturb(scenario, seed) if drawn else scenario
+        super().__init__(self._applied_mismatch.applied(self._healthy), seed, False, rate)
 
     # -- when faults begin and end ------------------------------------------------------------------------------------
 
@@ -87,15 +96,19 @@ class FaultyTrain(TrainOnBus):
         mismatch = self._mismatch()
         if mismatch != self._applied_mismatch:
             self._applied_mismatch = mismatch
-            actual = mismatch.applied(self._healthy)
-            self._actual_train = actual.train
-            self._base = force_tables.train_constants(actual.train)
-            self._grades = force_tables.grade_table(actual.line.grade_permil, actual.train.length_m)
+            self._take_mismatch()
         for one in self._mismatches:
             (value,) = one.fault.values.values()
             self.injections.effect(one, one.active, "0" if one.fault.what == "offset" else "1", str(value))
         self._motion = self._forces.change(self._actual_train, self._motion, self._applied_n)
         self._shift_balises()
+
+    def _take_mismatch(self) -> None:
+        """Take train and line with their present mismatch."""
+        actual = self._applied_mismatch.applied(self._healthy)
+        self._actual_train = actual.train
+        self._base = force_tables.train_constants(actual.train)
+        self._grades = force_tables.grade_table(actual.line.grade_permil, actual.train.length_m)
 
     def _shift_balises(self) -> None:
         """Move the balises ahead that lie elsewhere; one that is moved behind the front is not read."""
@@ -131,9 +144,18 @@ class FaultyTrain(TrainOnBus):
     def _protect(self) -> None:
         """The forces that watch and interlocks allow, changed by the faults."""
         super()._protect()
-        emergency = self.watch_level is WatchLevel.EMERGENCY
-        demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, emergency)
-        self._constants, self._window, self._extra_n = self._forces.allowed(self._base, self._window, demand)
+        demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, self.is_emergency)
+        self._constants, self._window, self._extra_n = self._forces.allowed(self._healthy_constants, self._window, demand)
+
+    @property
+    def is_emergency(self) -> bool:
+        """Whether the emergency brake is applied."""
+        return self.watch_level is WatchLevel.EMERGENCY
+
+    @property
+    def _healthy_constants(self) -> TrainConstants:
+        """The constants of this tick without faults of traction, brake and adhesion."""
+        return self._base
 
     @property
     def _powered(self) -> bool:
@@ -200,10 +222,12 @@ class FaultyTrain(TrainOnBus):
         )
         self._reader.note_shift(balise.number, balise.true_m)
         for report in self._reader.reported(BaliseReport(balise.number, balise.surveyed_m)):
-            read = Balise if report.valid else _UnreadBalise
-            self._event(
-                "balise", after_s, balise.true_m, read(report.number, report.position_m, balise.true_m), odometer_mm
-            )
+            read = Balise if report.valid else UnreadBalise
+            self._read_balise(read(report.number, report.position_m, balise.true_m), after_s, odometer_mm)
+
+    def _read_balise(self, balise: Balise, after_s: float, odometer_mm: int) -> None:
+        """Note a balise as the reader reports it."""
+        self._event("balise", after_s, balise.true_m, balise, odometer_mm)
 
     # -- commands and events ------------------------------------------------------------------------------------------
 
@@ -224,7 +248,7 @@ class FaultyTrain(TrainOnBus):
     def telegram_of(self, event: Any) -> Telegram | None:
         """The telegram of an event. A balise telegram without a valid value is marked as erroneous."""
         telegram = super().telegram_of(event)
-        if isinstance(telegram, BalisePassed) and isinstance(event.balise, _UnreadBalise):
+        if isinstance(telegram, BalisePassed) and isinstance(event.balise, UnreadBalise):
             telegram.check = CHECK_ERRONEOUS
         return telegram
 

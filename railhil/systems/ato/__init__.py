@@ -5,6 +5,14 @@ from __future__ import annotations
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
+#: Places of faults inside its plant: sensors, traction and brake, mass and line, equipment.
+INJECTS = (
+    *("sensor.speed", "sensor.position", "sensor.balise", "actuator.traction", "actuator.brake"),
+    *("train.mass", "train.gradient", "train.resistance", "train.adhesion", "train.model", "train.line_voltage"),
+    *("train.power", "train.pantograph", "train.main_breaker", "train.doors", "train.parking_brake"),
+    "train.safety_loop",
+)
+
 ATO = System(
     name="ato",
     title="one train, one notch, one stop",
@@ -39,10 +47,5 @@ ATO = System(
         beside=("TRN_WATCH",),
     ),
     named={"notch": "NOTCH_CMD.NotchCmd"},
-    injects=(
-        *("sensor.speed", "sensor.position", "sensor.balise", "actuator.traction", "actuator.brake"),
-        *("train.mass", "train.gradient", "train.resistance", "train.adhesion", "train.model", "train.line_voltage"),
-        *("train.power", "train.pantograph", "train.main_breaker", "train.doors", "train.parking_brake"),
-        "train.safety_loop",
-    ),
+    injects=INJECTS,
 )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
+from railhil.systems import ato
 
 #: Milestones of the system.
 EVENTS = {
@@ -19,6 +22,15 @@ EVENTS = {
     "turn_back": 41,
 }
 
+#: Its faults, with the required reactions.
+CATALOGUE = Path(__file__).with_name("catalogue.toml")
+#: Places of faults inside its plant, besides those of a train of ``ato``: doors, stops, track side, train protection.
+INJECTS = (
+    *("train.door", "train.door_left", "train.door_right", "train.psd", "train.dwell", "train.signal"),
+    *("train.authority", "train.atp", "train.holding_brake", "train.emergency_brake"),
+    *("sensor.docking_loop", "sensor.atp_speed", "sensor.atp_odometer"),
+)
+
 LINE = System(
     name="line",
     title="one train on a line with stations, doors, timetable and train protection",
@@ -31,6 +43,8 @@ LINE = System(
     judging="railhil.systems.line.judge.judging:JUDGING",
     pictures="railhil.systems.line.panels:pictures",
     events=EVENTS,
+    injects=(*ato.INJECTS, *INJECTS),
+    faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",
     truth=Truth(
         port="SIM_TRUTH",
         position="TruePos",
