@@ -145,7 +145,9 @@ class FaultyTrain(TrainOnBus):
         """The forces that watch and interlocks allow, changed by the faults."""
         super()._protect()
         demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, self.is_emergency)
-        self._constants, self._window, self._extra_n = self._forces.allowed(self._healthy_constants, self._window, demand)
+        self._constants, self._window, self._extra_n = self._forces.allowed(
+            self._healthy_constants, self._window, demand
+        )
 
     @property
     def is_emergency(self) -> bool:
