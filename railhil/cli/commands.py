@@ -19,6 +19,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
     "set up": {
         "new": "write a line, law, scenario, controller or system to start from",
         "scenarios": "list the shipped scenarios, or check a file of yours",
+        "bound": "least traction work of a scenario's sections, and shortest times",
         "doctor": "timing, interfaces and limits of this machine",
         "completion": "print a completion script for bash or zsh",
     },

@@ -48,7 +48,7 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
 def stop_table(stops: Sequence[ScoredStop], tight: bool) -> Table:
     """One line for each stop: what a terminal has room for."""
     rows = table(tight)
-    rows.add_column("stop")
+    rows.add_column("stop", no_wrap=True)
     for column in stops[0].headed:
         if column.brief:
             rows.add_column(column.heading, justify="right")

@@ -116,6 +116,9 @@ class System:
     #: Reads a line from a file of another tool, for ``railhil new line --from``
     #: (:func:`railhil.systems.ato.scenario.importers.new_line.read_new_line`).
     new_line: str | None = None
+    #: Lists the least traction work of its sections, for ``railhil bound``
+    #: (:data:`railhil.scenarios.section_bound.ListBounds`).
+    bound: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:
         if self.given is None and self.interface is not None:

@@ -36,6 +36,7 @@ ATO = System(
     given="railhil.controller_node.ato.given:GivenNotchLaw",
     export="railhil.controller_node.ato.export:NotchControl",
     picture="railhil.systems.ato.panels:draw",
+    bound="railhil.systems.ato.energy.section:list_bounds",
     new_line="railhil.systems.ato.scenario.importers.new_line:read_new_line",
     truth=Truth(
         port="SIM_TRUTH",

@@ -42,6 +42,7 @@ LINE = System(
     law="ipfc_plus",
     judging="railhil.systems.line.judge.judging:JUDGING",
     pictures="railhil.systems.line.panels:pictures",
+    bound="railhil.systems.line.energy:list_bounds",
     events=EVENTS,
     injects=(*ato.INJECTS, *INJECTS),
     faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",

@@ -150,7 +150,7 @@ def _is_first(place: int, number: int) -> bool:
         (_milestone(milestones_in(TOLD, "passed", LINE)[0], event=39), "record: RUN_EVENT"),
         (_milestone(milestones_in(TOLD, "doors_open", LINE)[0], event=39), "record: no doors_open at stop 2 B, but"),
         (_milestone(milestones_in(TOLD, "arrived", LINE)[1], instant_01ms=900_000), "record: RUN_EVENT"),
-        (_milestone(milestones_in(TOLD, "arrived", LINE)[1], position_01mm=3_300_000), "record: arrived at stop 4 D at"),
+        (_milestone(milestones_in(TOLD, "arrived", LINE)[1], position_01mm=3_300_000), "record: arrived at stop 4 D"),
         (_milestone(LAST - 1, event=40), "record: no doors_open at stop 4 D"),
         (_added("atp", 1, 5.0), "record: RUN_EVENT 1 says"),
         (_added("atp", 0, 5.0), "record: RUN_EVENT 0 says atp"),

@@ -147,7 +147,7 @@ def test_an_intervention_of_the_train_protection_fails_the_run_and_a_warning_doe
     found = judged(change=_with_reaction(at_s, at_s + 1.0, milestone=True))
     assert found.verdict == "FAIL"
     assert found.failures[0].startswith(f"train protection intervened at {at_s:.0f}.")
-    assert found.failures[0].endswith("(target), allowed never")
+    assert found.failures[0].endswith("(above the curve to a target), allowed never")
     assert (found.extras["atp_interventions"], found.extras["atp_warnings"]) == (1.0, 1.0)
     warned = judged(change=_with_reaction(at_s, at_s + 1.0, milestone=True, status=3))
     assert (warned.verdict, warned.extras["atp_warnings"], warned.extras["atp_interventions"]) == ("PASS", 1.0, 0.0)

@@ -14,7 +14,7 @@ from railhil.wire.line import AtpLim, AtpStatus, DoorCmd, DoorStat, StnInfo
 
 _CAUSES: Final = {
     "ceiling": "above the speed limit",
-    "target": "above the curve to the end of authority or a lower limit",
+    "target": "above the curve to a target",
     "release": "above the release speed",
     "trip": "passed the end of authority",
     "position": "position not sure",
@@ -25,8 +25,8 @@ _CAUSES: Final = {
 }
 
 
-def protection_cause(scenario: LineScenario, level: str, cause: str) -> str:
-    """Cause of a reaction of the train protection, in words."""
+def protection_cause(cause: str) -> str:
+    """Cause of a reaction of the train protection, in words; it stands in ATP_STAT."""
     return _CAUSES.get(cause, cause.replace("_", " "))
 
 
@@ -38,7 +38,6 @@ PROTECTION: Final = Watch(
     "AtpStatus",
     "",
     (AtpStatus.NORMAL, AtpStatus.INDICATION, AtpStatus.OVERSPEED, AtpStatus.WARNING, AtpStatus.INTERVENTION),
-    said=protection_cause,
     quiet=frozenset({AtpStatus.INDICATION, AtpStatus.OVERSPEED}),
 )
 WATCHES: Final = (*of_train.WATCHES, PROTECTION)

@@ -13,8 +13,8 @@ from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.layout import FLAG_TRUE
 from railhil.faults import parse_faults
 from railhil.judge.stops import Passing, PlannedStop, ScoredStop, Standstill
-from railhil.record.trace import Trace
-from railhil.systems.ato.energy.record import regenerated_kj, traction_work_kj
+from railhil.record.trace import FloatArray, Trace
+from railhil.systems.ato.energy.record import electric_work_kj, work_kj
 from railhil.systems.ato.judge import journey
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.line.judge.course import Course, Visit, stop_name
@@ -153,10 +153,15 @@ class LineRun:
 
     def _red_s(self, from_s: float, until_s: float) -> float:
         """Time without the permission to depart, from the telegrams that say so: one alone changes little."""
-        time_s = self.trace.times_s(StnInfo.PORT)
-        here = (time_s >= from_s) & (time_s < until_s)
+        red_s = self._red_at_s
+        return float(np.count_nonzero((red_s >= from_s) & (red_s < until_s))) * _STATION_S
+
+    @cached_property
+    def _red_at_s(self) -> FloatArray:
+        """Instants of STN_INFO without the permission to depart, s."""
         refused = self.trace.raw(StnInfo.PORT, "DepartPermit") != FLAG_TRUE
-        return float(np.count_nonzero(here & refused)) * _STATION_S
+        found: FloatArray = self.trace.times_s(StnInfo.PORT)[refused]
+        return found
 
     def _moves_s(self, departed_s: float | None) -> float | None:
         if departed_s is None:
@@ -181,8 +186,8 @@ class LineRun:
             planned_s=section.running_time_s,
             chosen_s=chosen_s,
             made_s=until_s - from_s,
-            traction_kj=traction_work_kj(self.trace, from_s, until_s),
-            regenerated_kj=regenerated_kj(self.scenario, self.trace, from_s, until_s),
+            traction_kj=work_kj(run.time_s, run.traction_n * run.speed_mps),
+            regenerated_kj=electric_work_kj(self.scenario, run.time_s, run.speed_mps, run.brake_n),
             comfort_mps2_per_km=journey.comfort_mps2_per_km(run),
             itae_kmh_s2=journey.itae_kmh_s2(run) if has_target else None,
             nearest_m=self.protection.nearest_m(self.motion, from_s, until_s),
@@ -191,10 +196,15 @@ class LineRun:
 
     def _chosen_s(self, index: int, from_s: float, until_s: float) -> float | None:
         """The running time that most telegrams of the controller name in the section; None: none does."""
-        time_s = self.trace.times_s(AtoStat.PORT)
-        here = (time_s > from_s) & (time_s < until_s) & (self.trace.raw(AtoStat.PORT, "AtoSection") == index + 1)
-        told = self.trace.values(AtoStat.PORT, "RunningTime")[here]
-        return float(np.median(told)) if len(told) else None
+        time_s, section, running_s = self._told_times
+        told_s = running_s[(time_s > from_s) & (time_s < until_s) & (section == index + 1)]
+        return float(np.median(told_s)) if len(told_s) else None
+
+    @cached_property
+    def _told_times(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """ATO_STAT: instants in s, section, running time in s; shape (n,) each."""
+        port = AtoStat.PORT
+        return self.trace.times_s(port), self.trace.values(port, "AtoSection"), self.trace.values(port, "RunningTime")
 
     def _journey(
         self, index: int, section: Section, from_s: float, until_s: float, chosen_s: float | None

@@ -33,6 +33,7 @@ from railhil.systems.line.judge.course import Course, course_of
 from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS, INTERVENTIONS, WARNINGS
 from railhil.systems.line.judge.cross_check import contradiction
 from railhil.systems.line.judge.doors import Doors
+from railhil.systems.line.judge.events import protection_cause
 from railhil.systems.line.judge.invariants import broken, limits_at
 from railhil.systems.line.judge.milestones import Milestone, milestones_of
 from railhil.systems.line.judge.motion import Motion
@@ -111,7 +112,7 @@ def _judged(run: LineRun, ended: str, rules: list[str]) -> Score:
         found = text_beside_limit(most_over_mps * KMH, 0, 2)
         failures.append(f"overspeed {found} km/h at {at_s:.2f} s, allowed 0")
     failures += [
-        f"train protection intervened at {spell.begun_s:.2f} s ({spell.cause.replace('_', ' ')}), allowed never"
+        f"train protection intervened at {spell.begun_s:.2f} s ({protection_cause(spell.cause)}), allowed never"
         for spell in interventions
     ]
     failures += [f"emergency brake at {told.instant_s:.2f} s, allowed never" for told in _emergencies(run)]

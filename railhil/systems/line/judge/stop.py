@@ -76,7 +76,7 @@ class LineStop(ScoredStop):
         return (
             StopColumn("departs late (s)", _text(self.departure_late_s, "+.2f"), brief=True),
             StopColumn("", self.note, brief=True),
-            StopColumn("dwell drawn (s)", _text(self.dwell_drawn_s, ".1f"), brief=True),
+            StopColumn("dwell drawn (s)", _text(self.dwell_drawn_s, ".1f")),
             StopColumn("dwell (s)", _text(self.dwell_s, ".1f")),
             StopColumn("doors open after (s)", _text(self.opened_after_s, ".1f")),
             StopColumn("jogs", str(self.jogs or "-")),
