@@ -18,7 +18,7 @@ _BOTTOM_PX, _BOTTOM_SHARED_PX = 36, 8
 #: Length of areas over all of an axis, as a multiple of the axis.
 _BEYOND = 20.0
 #: Least distance of the names of two lines, and of a name from the left edge, px.
-_NAMES_APART_PX, _FROM_EDGE_PX = 13, 14
+_NAMES_APART_PX, _FROM_EDGE_PX, _OTHER_SIDE_PX = 13, 14, 17
 #: Markers around the origin, one pixel in radius.
 _MARKERS: Mapping[str, str] = {
     "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0Z",
@@ -121,7 +121,8 @@ def draw_x_lines(axes: Axes) -> str:
                 f'<text transform="rotate(-90)" x="-4" y="{side_px}" text-anchor="end"{hidden}>{escaped(name)}</text>'
             )
         if name and has_room and x_px >= 0.0:
-            before_px = x_px
+            # Of the first one the name stands on the other side.
+            before_px = x_px + _OTHER_SIDE_PX * (x_px < _FROM_EDGE_PX)
         found.append(
             f'<g class="across" data-at="{at:.9g}" transform="translate({x_px:.2f} 0)">'
             f'<path class="line" d="M0 0V{axes.box[3]}"/>{text}</g>'

@@ -84,7 +84,8 @@ class Judging:
     further columns for the panel only, as ``columns``.
 
     For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
-    a line with the place of the train. ``gauges``: names of columns that stand at first sight beside those with a role.
+    a line with the place of the train; ``strip``: names of the columns that it draws over the line, of one unit; empty:
+    the speed. ``gauges``: names of columns that stand at first sight beside those with a role.
 
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.
@@ -121,6 +122,7 @@ class Judging:
     learned: tuple[SequenceMeasure, ...] = ()
     ends_at_m: Callable[[Any], float | None] = _no_place
     places: Callable[[Any], Sequence[Place]] = _nothing
+    strip: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
 
 

@@ -104,7 +104,8 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
     tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
     gauges = tuple(at for at, one in enumerate(columns) if one.name in judging.gauges)
-    places = tuple(judging.places(scenario)) if position >= 0 else ()
+    strip = tuple(at for at, one in enumerate(columns) if one.name in judging.strip) or ((speed,) if speed >= 0 else ())
+    places = tuple(judging.places(scenario)) if position >= 0 and strip else ()
     return Layout(
         tuple(columns),
         _make_charts(columns, command),
@@ -116,16 +117,8 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
         command,
         gauges,
         places,
-        _pick_strip(columns, speed, position) if places else (),
+        strip if places else (),
     )
-
-
-def _pick_strip(columns: Sequence[ShownColumn], speed: int, position: int) -> tuple[int, ...]:
-    """The columns with the unit of the speed, or the position's alone if there is no speed."""
-    if speed < 0:
-        return (position,)
-    unit = columns[speed].unit
-    return tuple(at for at, one in enumerate(columns) if one.kind == SIGNAL and one.unit == unit and one.name != ERROR)
 
 
 def _make_column(name: str, signal: Signal) -> ShownColumn:

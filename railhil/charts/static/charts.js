@@ -142,7 +142,8 @@ const railhilCharts = (() => {
       ctx.setLineDash([2 * ratio, 2 * ratio]);
       ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
       if (!room || x < bbox.left) continue;
-      before = x;
+      // Of the first one the name stands on the other side.
+      before = first ? x + 17 * ratio : x;
       ctx.save();
       ctx.translate(x, bbox.top);
       ctx.rotate(-Math.PI / 2);
@@ -259,7 +260,9 @@ const railhilCharts = (() => {
       width: Math.max(parent.clientWidth, 120), height,
       scales: {
         x: {time: false, ...(x.range && {range: (plot, low, high) => (chart.zoomed ? [low, high] : x.range)})},
-        y: asTrack ? {range: [0, 1]} : description.y ? {range: description.y} : {},
+        y: asTrack ? {range: [0, 1]} : description.y ? {range: description.y}
+          // The names of the lines have room above the curves.
+          : description.lines ? {range: (plot, low, high) => [Math.min(0, low ?? 0), (high ?? 1) / .5]} : {},
       },
       axes: [{...axis, size: 26, gap: 3, label: named(x.label, x.unit), labelSize: 18, labelGap: 0}, yAxis],
       series: [

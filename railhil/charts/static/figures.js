@@ -126,7 +126,7 @@ const railhilFigures = (() => {
         const room = x - before >= 13;
         name.setAttribute("visibility", room ? "visible" : "hidden");
         name.setAttribute("y", x < 14 ? 11 : -3);
-        if (room && x >= 0) before = x;
+        if (room && x >= 0) before = x < 14 ? x + 17 : x;
       }
       const axes = this.svg.querySelector(".axes"), made = [];
       const add = (name, given, text = "") => {

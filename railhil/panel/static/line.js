@@ -19,7 +19,7 @@ export class Line {
     })));
     const unit = columns[strip[0]].unit, empty = [[], ...series.map(() => [])];
     this.handle = railhilCharts.chart(place, {
-      title: "line", unit, series, height: 250,
+      title: "line", unit, series, height: 290,
       x: { label: "position", unit: columns[layout.position].unit, range: [Math.min(...at), Math.max(...at)] },
       lines: places.map((one) => ({ at: one.position, name: one.name })),
     }, empty);

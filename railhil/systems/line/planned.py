@@ -44,7 +44,7 @@ class PlannedMotion:
 
     def positions_at(self, time_s: Any) -> FloatArray:
         """Planned position at each of some instants, shape of ``time_s``."""
-        return np.interp(time_s, self.time_s, self.position_m)
+        return np.asarray(np.interp(time_s, self.time_s, self.position_m), dtype=np.float64)
 
     def lateness_s(self, time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> FloatArray:
         """How late a train is, negative: early; NaN where its place is not known, shape (n,).
@@ -84,4 +84,4 @@ def fold_positions(line: LineScenario, position_m: Any) -> FloatArray:
     places = [0.0]
     for leg, length_m in enumerate(np.diff(knots).tolist()):
         places.append(places[-1] + (-length_m if leg % 2 else length_m))
-    return np.interp(position_m, knots, places)
+    return np.asarray(np.interp(position_m, knots, places), dtype=np.float64)

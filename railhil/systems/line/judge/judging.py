@@ -35,7 +35,6 @@ COLUMNS = (
     ("dwell_left_s", DoorStat.PORT, "DwellLeft"),
     ("permitted_mps", AtpLim.PORT, "PermittedSpeed"),
     ("ebi_mps", AtpStat.PORT, "EbiSpeed"),
-    ("protection_level", AtpLim.PORT, "AtpStatus"),
     ("distance_left_m", AtoStat.PORT, "DistanceLeft"),
 )
 
@@ -48,7 +47,6 @@ _GAUGES = (
     "ato_state",
     "left_doors",
     "right_doors",
-    "protection_level",
 )
 
 
@@ -145,5 +143,6 @@ JUDGING = Judging(
     received=received,
     ends_at_m=lambda scenario: scenario.plan.distance_m,
     places=lambda scenario: [Place(stop.name, stop.position_m) for stop in scenario.stops],
+    strip=("true_speed_mps", "permitted_mps", "ebi_mps", "speed_limit_mps"),
     gauges=_GAUGES,
 )

@@ -19,6 +19,8 @@ from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.ato import SimTruth
 from railhil.wire.line import AtpLim, AtpStat, DoorStat, DoorState, StnInfo
 
+#: Rows of SIM_TRUTH after a departure until STN_INFO tells the next section, at most.
+_TOLD_ROWS = 16
 #: The parts of a stop, in their order.
 DOORS, EXCHANGE, HOLD = "doors", "exchange", "hold"
 
@@ -103,8 +105,15 @@ class DrawnRun:
         :param section: its number from 1, from the departure on.
         """
         here = np.flatnonzero(self._sections == section)
-        moving = here[~(self.speed_kmh[here] == 0.0)]
-        return (int(here[0]), int(min(moving[-1] + 1, here[-1])) + 1) if len(moving) else (0, 0)
+        if not len(here):
+            return 0, 0
+        stands = here[self.speed_kmh[here] == 0.0]
+        after = int(here[-1]) + 1
+        if len(stands) and after - stands[-1] <= _TOLD_ROWS:
+            # The dwell has no place of its own.
+            breaks = np.flatnonzero(np.diff(stands) > 1)
+            after = int(stands[breaks[-1] + 1 if len(breaks) else 0]) + 1
+        return int(here[0]), after
 
     def leg_rows(self, leg: int) -> npt.NDArray[np.int64]:
         """Rows on a leg, the gaps among them; where the leg is not known, it is that of the row before.

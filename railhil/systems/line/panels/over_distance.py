@@ -109,7 +109,8 @@ def approaches(line: LineScenario, runs: Sequence[DrawnRun]) -> Figure:
     if runs[0].has_protection:
         caption += _protection_words(runs) + " The band along the speed is its interval of the position."
     charts = [
-        _approach(line, number, section, runs, number > len(line.sections) - _ACROSS)
+        # Charts of one row are equally high.
+        _approach(line, number, section, runs, (number - 1) // _ACROSS >= (len(line.sections) - _ACROSS) // _ACROSS)
         for number, section in enumerate(line.sections, start=1)
     ]
     return Figure("approaches", "Approach to each stop", caption, charts)

@@ -94,13 +94,16 @@ def energy(line: LineScenario, runs: Sequence[DrawnRun]) -> list[Figure]:
 
 
 def _bars(
-    run: DrawnRun, number: int, traction_kj: float, back_kj: float, top: float, high: float, is_named: bool
+    run: DrawnRun, number: int, traction_kj: float, back_kj: float | None, top: float, high: float, is_named: bool
 ) -> Iterator[Area]:
     colour = run.style.look.colour if is_named else "0"
-    told = f"{run.label}, section {number}: traction {traction_kj / _MJ:.1f} MJ, back {back_kj / _MJ:.1f} MJ"
+    told = f"{run.label}, section {number}: traction {traction_kj / _MJ:.1f} MJ"
     label = f"{run.label}: traction" if is_named else "traction"
     yield Area((0.0, traction_kj / _MJ), (top - high, top), "block", told, run.number, label, colour)
+    if back_kj is None:
+        return
     back = (top - 0.75 * high, top - 0.25 * high)
+    told += f", regenerated {back_kj / _MJ:.1f} MJ"
     yield Area((0.0, back_kj / _MJ), back, "block", told, run.number, "regenerated", "line")
 
 
