@@ -43,10 +43,16 @@ if TYPE_CHECKING:
 
 _JOBS_MAX = 1024
 _RUNS_MAX = 1_000_000
+_SECTIONS_MAX = 255
 #: Largest TCP port.
 PORT_MAX = 65535
 #: A parser, or a group of its options.
 Options = argparse._ActionsContainer
+
+
+def _section(text: str) -> str:
+    """The setting of a section's number."""
+    return f"section={whole_number(1, _SECTIONS_MAX)(text)}"
 
 
 def _lifeline(text: str) -> tuple[str, int]:
@@ -89,6 +95,10 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "--set": {
         "type": normalise_setting, "action": "append", "default": [], "metavar": "KEY=VALUE",
         "help": "change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",
+    },
+    "--section": {
+        "type": _section, "action": "append", "dest": "set", "metavar": "N",
+        "help": "only this part of a long run, as a scenario of its own (--set section=N)",
     },
     "--fault": {
         "type": normalise_fault, "action": "append", "default": [], "metavar": "TEXT",
@@ -196,7 +206,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
 #: Parts of a long help, for :class:`~railhil.common.command_line.OneLineParser`.
 SECTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "what is run": (
-        "--spec", "--set", "--fault", "--seed", "--perturbed", "--no-perturbed", "--run-number", OPTION, MAP_OPTION,
+        "--spec", "--set", "--section", "--fault", "--seed", "--perturbed", "--no-perturbed", "--run-number", OPTION, MAP_OPTION,
     ),
     "the controller": (
         "--controller", "--laws", "--both", "--parameters", "--arithmetic", "--indexing", "--task-period-ms",
@@ -229,6 +239,8 @@ def add_option(parser: Options, name: str, note: str = "", **changes: Any) -> No
         declared["help"] += f"{note}{f' (default: {usual})' if usual else ''}"
     action = parser.add_argument(name.partition(" ")[0], **declared)
     action.laws, action.usual_laws = _Laws(), _UsualLaws()  # type: ignore[attr-defined]
+    if name == "--set":
+        add_option(parser, "--section", default=declared["default"])
 
 
 def add_options(parser: Options, *names: str) -> None:

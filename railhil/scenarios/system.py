@@ -74,6 +74,8 @@ class System:
     units: tuple[str, ...] = ()
     #: Places of faults inside its plant, such as ``sensor.speed``.
     injects: tuple[str, ...] = ()
+    #: Commands that take only a section of its runs (``--section``), which is a scenario of another system.
+    by_section: tuple[str, ...] = ()
     #: Whether a seed gives a sequence of different runs.
     numbered: bool = False
     #: The section ``[task]`` of its scenario files (:class:`railhil.scenarios.task.Task`).
@@ -205,6 +207,16 @@ class System:
         and for a law that is not installed."""
         law = entries(self.laws).get(name)
         return None if law is None or law.module.partition(".")[0] == OURS else held_sha256(law.module, law.dist)
+
+    def refuse_whole_runs(self, command: str, scenario: str) -> None:
+        """Refuse a scenario of which the command takes only a section.
+
+        :param scenario: its name.
+        :raises InputError: it is one.
+        """
+        if command in self.by_section:
+            allowed = f"one of its sections: railhil {command} with --section 1; railhil run {scenario} --section 1"
+            raise InputError(f"railhil {command}", "scenario", scenario, f"{allowed} runs it")
 
     def law_names(self) -> list[str]:
         """Names of the installed laws for this system, in the order of every table."""

@@ -33,6 +33,7 @@ _SAME = 1e-9
 
 def _scenario(request: Request, otherwise: str = "") -> AnyScenario:
     scenario = load_any(request.scenario or otherwise or DEFAULT_SCENARIO, request.set)
+    scenario.installed_system.refuse_whole_runs("tune", scenario.name)
     require_perturbations(scenario, "tune")
     return scenario
 

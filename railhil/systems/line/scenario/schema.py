@@ -193,6 +193,7 @@ class LineScenarioFile(Table):
     system: Literal["line"]
     name: Name
     title: Text
+    section: Annotated[int, Field(ge=1, le=STOPS_MAX)] | None = None
     assumptions: list[Text] = []
     train: AnyTrain
     line: LineTable

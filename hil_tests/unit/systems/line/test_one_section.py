@@ -1,0 +1,61 @@
+"""One section of a line as a run of ato: by the key ``section``, by ``--section``, and commands that take only that."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import complaint, railhil
+from railhil.common.errors import InputError
+from railhil.scenarios.load import load, load_any
+from railhil.systems.ato.scenario.model import Scenario
+
+
+def test_a_section_of_a_line_is_a_scenario_of_ato() -> None:
+    section, run = load("yizhuang_out", settings=["section=5"]), load("yizhuang_05")
+    assert type(section) is Scenario
+    assert (section.line, section.target, section.train) == (run.line, run.target, run.train)
+    assert section.name == "yizhuang_out_section_5"
+
+
+def test_a_section_has_its_own_hash_and_a_document_that_restores_it() -> None:
+    first, second = (load("four_stops", settings=[f"section={number}"]) for number in (1, 2))
+    assert first.sha256 != second.sha256
+    kind = first.installed_system.scenario_kind
+    assert kind.restore(kind.document(first), Path("scenario.json")) == first
+
+
+def test_a_section_between_served_stops_runs_through_the_passed_one() -> None:
+    section = load("four_stops", settings=["section=2"])
+    assert section.plan.distance_m == 2220.0
+    assert [balise.surveyed_m for balise in section.line.balises if balise.surveyed_m < 1200.0] != []
+
+
+def test_the_faults_of_a_section_are_those_of_ato() -> None:
+    section = load_any("four_stops", ["section=1"], ["TRN_SPEED loss 30% @20s for 5s"])
+    assert section.faults == ("TRN_SPEED loss 30% @20s for 5s",)
+
+
+def test_a_file_can_name_a_section(tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text('extends = "yizhuang_back"\nname = "own"\nsection = 13\n')
+    assert load(file).plan.distance_m == 2631.0
+
+
+def test_a_section_that_there_is_not_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^--set: section: found 3, allowed 1 to 2, a section of four_stops$"):
+        load_any("four_stops", settings=["section=3"])
+
+
+@pytest.mark.parametrize(
+    "words", [["tune", "ipfc", "four_stops"], ["audit", "four_stops"], ["export-c", "ipfc", "four_stops"]]
+)
+def test_a_command_that_takes_a_section_only_names_it(words: list[str], tmp_path: Path) -> None:
+    message = complaint(railhil(*words, cwd=tmp_path))
+    assert "one of its sections" in message
+    assert "railhil run four_stops --section 1 runs it" in message
+
+
+def test_the_option_names_the_section_in_the_list_of_scenarios() -> None:
+    assert "four_stops_section_2" in railhil("scenarios", "four_stops", "--section", "2").out
