@@ -206,7 +206,8 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
 #: Parts of a long help, for :class:`~railhil.common.command_line.OneLineParser`.
 SECTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "what is run": (
-        "--spec", "--set", "--section", "--fault", "--seed", "--perturbed", "--no-perturbed", "--run-number", OPTION, MAP_OPTION,
+        "--spec", "--set", "--section", "--fault", "--seed", "--perturbed", "--no-perturbed", "--run-number", OPTION,
+        MAP_OPTION,
     ),
     "the controller": (
         "--controller", "--laws", "--both", "--parameters", "--arithmetic", "--indexing", "--task-period-ms",

@@ -49,7 +49,7 @@ def test_a_section_that_there_is_not_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [["tune", "ipfc", "four_stops"], ["audit", "four_stops"], ["export-c", "ipfc", "four_stops"]]
+    "words", [["tune", "ipfc", "four_stops"], ["audit", "four_stops"], ["export-c", "ipfc", "four_stops", "--out", "c"]]
 )
 def test_a_command_that_takes_a_section_only_names_it(words: list[str], tmp_path: Path) -> None:
     message = complaint(railhil(*words, cwd=tmp_path))
