@@ -23,6 +23,8 @@ from railhil.systems.line.scenario.protection import (
     protection_balises,
     protection_of,
 )
+from railhil.systems.line.scenario.protection_keys import ATP_MEANING
+
 
 TRAIN = load("yizhuang_01_songjiazhuang_xiaocun").train
 
@@ -133,3 +135,7 @@ def test_no_two_balises_of_the_protection_lie_further_apart_than_its_spacing(
 def test_a_spacing_of_0_means_no_own_balises() -> None:
     assert protection_balises(0.0, (), 0.0, 5000.0) == ()
     assert [one.surveyed_m for one in protection_balises(300.0, (), 0.0, 600.0)] == [300.0]
+
+
+def test_every_key_has_a_meaning() -> None:
+    assert set(ATP_MEANING) == {f"atp.{key}" for key in AtpTable.model_fields}
