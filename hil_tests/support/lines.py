@@ -111,7 +111,7 @@ def four_stops(
 class Driver:
     """Drives a train over its line by its true place, and orders its doors as the timetable says.
 
-    ``door_life`` and ``notch_life`` count the telegrams; :attr:`events` are all events of the train so far.
+    ``door_life`` is the life sign of the next DOOR_CMD; :attr:`events` are all events of the train so far.
 
     :param heeds_due: it waits for the due departure.
     """
@@ -124,8 +124,7 @@ class Driver:
         self.train, self.line, self.heeds_due = train, line, heeds_due
         self.events: list[Any] = []
         self.order = DoorOrder.NONE
-        self._notch_life = self._door_life = 0
-        self._jogged = 0
+        self._notch_life = self.door_life = 0
         self.aim_m = 0.0
 
     def run(self, until: Callable[[], bool], most_s: float = 800.0) -> None:
@@ -156,8 +155,8 @@ class Driver:
         self._notch_life = (self._notch_life + 1) % 16
 
     def give_door(self, **values: int) -> None:
-        self.train.take(DoorCmd(**values, life=self._door_life))
-        self._door_life = (self._door_life + 1) % 16
+        self.train.take(DoorCmd(**values, life=self.door_life))
+        self.door_life = (self.door_life + 1) % 16
 
     # -- what it does -------------------------------------------------------------------------------------------------
 

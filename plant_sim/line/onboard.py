@@ -12,7 +12,7 @@ from typing import Final
 
 from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.plant_sim.atp.protection import PERIOD_S, TrainProtection
-from railhil.plant_sim.atp.readings import Authority, Demands, Readings, Track, TrainData
+from railhil.plant_sim.atp.readings import INTERVENTION, SELF_TEST, Authority, Demands, Readings, Track, TrainData
 from railhil.scenarios import streams
 from railhil.systems.ato.scenario.model import Balise, Line
 from railhil.systems.line.scenario.model import LineScenario
@@ -56,6 +56,21 @@ class Onboard:
     def demands(self) -> Demands:
         """Its last demands."""
         return self._protection.demands
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the emergency brake acts because its demands are too old."""
+        return self.reaction == EMERGENCY_BRAKE and not self.demands.emergency_brake
+
+    @property
+    def status(self) -> int:
+        """Its status as it is told; :data:`~railhil.plant_sim.atp.readings.INTERVENTION` if it has failed."""
+        return INTERVENTION if self.has_failed else self.demands.status
+
+    @property
+    def cause(self) -> int:
+        """The cause of its reaction as it is told; that of its own check if it has failed."""
+        return SELF_TEST if self.has_failed else self.demands.cause
 
     def pass_balise(self, balise: Balise) -> None:
         """Read a balise."""

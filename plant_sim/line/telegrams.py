@@ -110,7 +110,7 @@ class LineTelegrams(TrainTelegrams):
         if onboard is None:
             return AtpLim(life=life)
         demands = onboard.demands
-        return AtpLim(_to_4mmps(demands.permitted_mps), demands.status, demands.monitoring, life=life)
+        return AtpLim(_to_4mmps(demands.permitted_mps), onboard.status, demands.monitoring, life=life)
 
     def _protection(self) -> AtpStat:
         life, onboard = next(self._lives[AtpStat.PORT]), self._train.onboard
@@ -121,7 +121,7 @@ class LineTelegrams(TrainTelegrams):
             traction_cut=flag(reaction >= TRACTION_CUT),
             service_brake=flag(demands.service_brake),
             emergency_brake=flag(reaction == EMERGENCY_BRAKE),
-            cause=demands.cause,
+            cause=onboard.cause,
             warning_4mmps=_to_4mmps(demands.warning_mps),
             sbi_4mmps=_to_4mmps(demands.sbi_mps),
             ebi_4mmps=_to_4mmps(demands.ebi_mps),

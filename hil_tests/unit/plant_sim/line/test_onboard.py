@@ -94,7 +94,7 @@ def test_a_dead_protection_applies_the_emergency_brake_within_half_a_second() ->
     assert 40 <= driver.train.tick - ticks <= 51
     assert driver.kinds()[-2:] == ["atp", "emergency"]
     driver.run(standing(driver))
-    assert told(driver).emergency_brake == FLAG_TRUE
+    assert (told(driver).emergency_brake, told(driver).cause) == (FLAG_TRUE, AtpCause.SELF_TEST)
 
 
 def test_doors_that_lose_their_lock_at_speed_stop_the_train() -> None:

@@ -8,11 +8,11 @@ import pytest
 
 from hil_tests.support.lines import STOPS, Driver, four_stops
 from railhil.bus.codes import Event
-from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE
+from railhil.bus.layout import CHECK_ERRONEOUS, FLAG_ERROR, FLAG_FALSE, FLAG_TRUE, FLAG_UNDEFINED
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.line.scenario.model import RouteSignal
 from railhil.wire.ato import TrkInfo
-from railhil.wire.line import DoorOrder, DoorStat, SignalAspect, StnInfo
+from railhil.wire.line import DoorCmd, DoorOrder, DoorStat, SignalAspect, StnInfo
 
 
 def begun(seed: int = 0, **line: object) -> Driver:
@@ -223,3 +223,44 @@ def test_a_run_without_its_terminal_ends_after_the_overtime() -> None:
     driver.run(lambda: ended(driver) is not None)
     assert ended(driver) is Event.ENDED_NOT_STOPPED
     assert driver.train.tick == 64_001
+
+
+def test_orders_that_fail_their_checks_are_counted_and_not_carried_out() -> None:
+    driver = begun()
+    driver.run(lambda: at_stop(driver) and driver.train.docking.is_in_window)
+    train, order = driver.train, {"order": DoorOrder.OPEN_LEFT, "station": 2, "hold_brake": FLAG_TRUE}
+    accepted, _ = train.judged[DoorCmd.PORT]
+    # A check variable that is not correct, an old life sign, and the same telegram again.
+    for values in ({"check": CHECK_ERRONEOUS, "life": 1}, {"life": 0}, {"life": 1}):
+        life = (driver.door_life + values.pop("life") - 1) % 16
+        train.take(DoorCmd(**order, **values, life=life))
+    assert train.judged[DoorCmd.PORT] == (accepted, {"check_variable": 1, "out_of_order": 1, "duplicate": 1})
+    assert train.refused["door_check_variable"] == 1
+    assert train.doors.are_locked
+
+
+@pytest.mark.parametrize("hold", [FLAG_ERROR, FLAG_UNDEFINED])
+def test_a_demand_for_the_holding_brake_that_says_nothing_holds(hold: int) -> None:
+    driver = begun()
+    driver.orders = lambda: {"hold_brake": hold}  # type: ignore[method-assign]
+    driver.notch = lambda: 7.0  # type: ignore[method-assign]
+    driver.run(lambda: driver.train.tick == 1000)
+    assert driver.train.position_01mm == 0
+
+
+def test_a_run_whose_controller_is_lost_at_a_stop_ends_there() -> None:
+    driver = begun()
+    driver.run(lambda: "doors_open" in driver.kinds())
+    assert driver.train.ending.reached(driver.train.tick, True) is Event.ENDED_NOT_STOPPED
+    driver.run(lambda: driver.kinds().count("departure") == 2 and not driver.train.is_standing)
+    assert driver.train.ending.reached(driver.train.tick, True) is None
+
+
+def test_a_terminal_without_open_doors_ends_the_run_after_ten_seconds() -> None:
+    driver = begun()
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+    driver.aim_m = 3421.0
+    driver.run(lambda: ended(driver) is not None)
+    assert ended(driver) is Event.ENDED_COMPLETE
+    assert driver.kinds()[-1] == "arrived"
+    assert driver.train.tick - driver.train.stood_from_tick in range(1000, 1012)
