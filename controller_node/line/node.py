@@ -4,12 +4,14 @@ station automaton, and a law for each section."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Final
 
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.responder import Reading
 from railhil.controller_node.ato.controller import ControlOutput
 from railhil.controller_node.ato.node import ControllerNode
+from railhil.controller_node.line.heed import PermittedSpeed
 from railhil.controller_node.line.jog import STEP_MS, Creep, CreepLimits
 from railhil.controller_node.line.place import Place
 from railhil.controller_node.line.sections import Aim, SectionControllers
@@ -66,8 +68,9 @@ class LineNode(ControllerNode):
         self._resting = ControlOutput(0, (0,) * len(made.notes), 0, 0, 0)
         self._aim = _NOT_CHOSEN
         self._door_life = self._ato_life = 0
-        #: Telegrams of the train protection, by its status; they change nothing.
-        self.protection_told = [0] * 8
+        self.permitted = PermittedSpeed()
+        self._heeds = scenario.atp.heed_atp
+        self._of_law: ControlOutput | None = None
         responder = self.responder
         responder.on(DoorStat, self._take_doors)
         responder.on(StnInfo, self._take_info)
@@ -95,7 +98,7 @@ class LineNode(ControllerNode):
         self.stations.take_info(reading.telegram, self._clock.own_ns // _NS_PER_MS)
 
     def _take_protection(self, reading: Reading[AtpLim]) -> None:
-        self.protection_told[reading.telegram.status] += 1
+        self.permitted.take(reading.telegram, self.guard.speed_01mmps or 0, self._clock.own_ns // _NS_PER_MS)
 
     def _control(self) -> None:
         """Step the automaton; when a control period has begun, step the law of the section, if it drives."""
@@ -118,19 +121,32 @@ class LineNode(ControllerNode):
             self._follow(k, place_01mm, odometer_01mm)
             if stations.drive is not _LAW:
                 self._output = self._drive(own_ms, place_01mm, speed_01mmps)
-        if not begins:
-            return
+        if begins:
+            self._begin_period(k, odometer_01mm, speed_01mmps)
+        if self._heeds and stations.drive is _LAW and self._of_law is not None:
+            self._output = self._heed(self._of_law)
+
+    def _begin_period(self, k: int, odometer_01mm: int, speed_01mmps: int) -> None:
+        """Step the law of the section at the beginning of a control period, if it drives."""
+        guard, balise = self.guard, self._balises.last
         is_late = k > self._last_k + 1 and self._last_k >= 0
         self._overruns += is_late
         guard.period(is_late)
         self._last_k = k
-        if stations.drive is not _LAW:
+        if self.stations.drive is not _LAW:
             guard.overrun(False)
+            self._of_law = None
             return
         if self._end_01mm is not None:
             guard.overrun(self._balises.is_beyond(odometer_01mm, self._end_01mm))
-        self._output = self._sections.step(k, speed_01mmps, odometer_01mm, balise)
+        self._output = self._of_law = self._sections.step(k, speed_01mmps, odometer_01mm, balise)
         self._steps += 1
+
+    def _heed(self, output: ControlOutput) -> ControlOutput:
+        """The law's output, without traction where the permitted speed is near."""
+        if output.notch_code <= 0 or self.permitted.allows(self._clock.own_ns // _NS_PER_MS):
+            return output
+        return replace(output, notch_code=0)
 
     def _follow(self, k: int, place_01mm: int, odometer_01mm: int) -> None:
         """Begin or end a law's section, as the automaton has decided in this step."""
