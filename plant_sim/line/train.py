@@ -46,6 +46,7 @@ class LineTrain(BrakedTrain):
         self._order = _NO_ORDER
         self._order_refused = self._departure_refused = False
         self._load(self._section_masses[0])
+        self.doors.has_psd = self.journey.stop.psd
         self._balises = deque(sorted((*self._balises, *self.journey.passed_marks()), key=_place))
         self._line_telegrams = LineTelegrams(actual, self, rate)
         self._telegrams = self._line_telegrams
@@ -110,7 +111,6 @@ class LineTrain(BrakedTrain):
         if order == CLOSE:
             self.doors.close()
         elif station and self.station_here == station - 1 and not order & ~self.sides_permitted:
-            self.doors.has_psd = self.journey.stop.psd
             self.doors.open(order)
             self.is_busy = True
             self.show_doors()
@@ -133,6 +133,7 @@ class LineTrain(BrakedTrain):
             self._mark("missed")
         self._mark("departure")
         turned = journey.depart(self.tick)
+        self.doors.has_psd = False
         if turned:
             self._mark("turn_back")
             self._turn_back()
@@ -164,7 +165,7 @@ class LineTrain(BrakedTrain):
             if journey.has_arrived:
                 docking.measure(motion.position_m - journey.stop.position_m, self.tick)
             elif journey.stand_short(motion.position_m, self.tick, self.tick - self.stood_from_tick):
-                self._mark("arrived")
+                self._arrive()
         if standing and (self._hold_commanded or not doors.are_locked):
             self.holding.apply()
             self._is_braked = True
@@ -188,7 +189,6 @@ class LineTrain(BrakedTrain):
             self.show_doors()
         if doors.are_locked:
             doors.opened = 0
-            doors.has_psd = False
             self._mark("doors_locked", self._step_s)
 
     def show_doors(self) -> None:
@@ -212,7 +212,13 @@ class LineTrain(BrakedTrain):
         self.stood_from_tick = self.tick
         self.is_busy = True
         if self.journey.stand(position_m):
-            self._event("arrived", after_s, position_m)
+            self._arrive(after_s)
+
+    def _arrive(self, after_s: float = 0.0) -> None:
+        """Report the arrival at a stop; the doors of its platform now count."""
+        self._mark("arrived", after_s)
+        self.doors.has_psd = self.journey.stop.psd
+        self.show_doors()
 
     def _pass_balise(self, balise: Balise, after_s: float) -> None:
         if isinstance(balise, PassMark):

@@ -159,6 +159,18 @@ def test_a_train_leaves_with_permission_only() -> None:
     assert driver.train.journey.section == 0
 
 
+def test_doors_of_the_platform_that_lose_their_lock_keep_the_permission_back() -> None:
+    driver = begun()
+    driver.run(lambda: "doors_locked" in driver.kinds())
+    driver.train.doors.psd.has_lost_lock = True
+    driver.train.show_doors()
+    assert (doors(driver).doors_locked, doors(driver).psd_locked) == (FLAG_TRUE, FLAG_FALSE)
+    assert station(driver).depart_permit == FLAG_FALSE
+    assert not driver.train.status.traction_enabled
+    driver.run(lambda: driver.train.tick == 20_000)
+    assert driver.kinds().count("departure") == 1
+
+
 def test_a_red_signal_keeps_the_permission_back() -> None:
     driver = begun(signals=(RouteSignal(1300.0, 200.0),))
     driver.run(lambda: driver.train.tick == 17_500)
