@@ -111,8 +111,7 @@ class ScoredStop:
         most_s, late_s = planned.departure_late_max_s, self.departure_late_s
         if most_s is not None and late_s is not None and late_s > most_s + self.departure_excused_s:
             allowed_s = most_s + self.departure_excused_s
-            text = text_beside_limit(late_s, allowed_s, 3, "+")
-            found.append(f"departure {text} s (allowed at most +{allowed_s:.10g} s)")
+            found.append(f"departure {_later(late_s, allowed_s)}")
         return tuple(filter(None, found))
 
     @property
@@ -121,8 +120,7 @@ class ScoredStop:
         if not self.excused_s or most_s is None or late_s is None or late_s < 0.0:
             return _beyond(late_s, most_s, "s")
         allowed_s = most_s + self.excused_s
-        text = text_beside_limit(late_s, allowed_s, 3, "+")
-        return f"{text} s (allowed at most +{allowed_s:.10g} s)" if late_s > allowed_s else ""
+        return _later(late_s, allowed_s) if late_s > allowed_s else ""
 
     @property
     def missed(self) -> str:
@@ -176,6 +174,12 @@ class ScoredStop:
             **more,
             "verdict": self.verdict,
         }
+
+
+def _later(late_s: float, allowed_s: float) -> str:
+    """A lateness above its limit, in words; a limit that a run has made has many digits."""
+    found, allowed = text_beside_limit(late_s, allowed_s, 3, "+"), text_beside_limit(allowed_s, late_s, 3, "+")
+    return f"{found} s (allowed at most {allowed} s)"
 
 
 def _text(value: float | None) -> str:
