@@ -11,6 +11,7 @@ import pytest
 
 from hil_tests.support.cli import complaint
 from hil_tests.support.paths import ROOT, TEST_DATA
+from railhil.scenarios.load import load_any
 
 RAILML = ROOT / "docs" / "examples" / "north_south.xml"
 FILES = {
@@ -47,6 +48,8 @@ def test_a_line_of_a_file_is_a_pass_by_the_commands_that_are_proposed(kind, here
     ("words", "said"),
     [
         (["--track", "t1"], "--track: used only with --from"),
+        (["--stops", "6", "--from", "nothing.json"], "--stops: cannot be given with --from"),
+        (["--stops", "1"], "--stops: found 1, allowed 2..60"),
         (["--from", "nothing.json"], "nothing.json: does not exist"),
         (["--from", str(RAILML)], "line.track_ids: no choice among several, expected some of t1, t2, t3"),
         (["--from", str(FILES["ttobench"][0]), "--track", "a"], "--track: found 'a', allowed no track"),
@@ -109,3 +112,30 @@ def test_an_empty_text_is_named_by_what_it_should_be(words, said, here):
 def test_a_byte_order_mark_is_named(here, tmp_path):
     (tmp_path / "mine.toml").write_text("\ufeffschema_version = 1", encoding="utf-8")
     assert "it begins with a byte order mark (BOM): save it as UTF-8" in complaint(here("scenarios", "mine.toml"))
+
+
+@pytest.mark.parametrize("count", [2, 6, 60])
+def test_a_line_with_stops_is_complete_and_checked(count, here, tmp_path):
+    done = here("new", "line", "metro", "--stops", str(count))
+    assert done.exit_code == 0, done.err
+    assert "extends" not in (tmp_path / "metro.toml").read_text(encoding="utf-8")
+    scenario = load_any(tmp_path / "metro.toml")
+    assert (scenario.system, len(scenario.stops), len(scenario.sections)) == ("line", count, count - 1)
+    assert done.out.splitlines()[-1].strip() == "railhil run metro.toml"
+
+
+def test_a_line_with_stops_explains_its_values_and_says_where_to_go_on(here, tmp_path):
+    here("new", "line", "metro", "--stops", "6")
+    text = (tmp_path / "metro.toml").read_text(encoding="utf-8")
+    assert (ROOT / re.findall(r"https://\S+/blob/main/(\S+)", text)[0]).is_file()
+    values = text.partition("[train]")[2].partition("[perturbations]")[0].splitlines()
+    silent = [line for line in values if "=" in line and "#" not in line and not line.startswith(("name", "    {"))]
+    assert silent == ["enabled = true"]
+
+
+@pytest.mark.slow
+def test_a_line_with_stops_is_a_pass_as_it_is_written(here):
+    here("new", "line", "metro", "--stops", "3")
+    done = here("run", "metro.toml", "--bus", "local", "--no-report", "--out", "run")
+    assert done.exit_code == 0, done.err
+    assert done.out.splitlines()[-1] == "PASS"

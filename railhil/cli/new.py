@@ -11,8 +11,8 @@ from pathlib import Path
 from shlex import quote
 from string import Template
 
-from railhil.cli.new_scenario import check_scenario_name, imported_line_file, line_file, scenario_file
-from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO
+from railhil.cli.new_scenario import check_scenario_name, imported_line_file, line_file, scenario_file, stops_file
+from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO, whole_number
 from railhil.common.errors import InputError, Sentence, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -46,6 +46,8 @@ _FILES = {
         "test_$name.py": "checks.py",
     },
 }
+#: More stops make a file that nobody wants to edit.
+_STOPS_MAX = 60
 _NAME = re.compile(r"[a-z](?:[a-z0-9_]{0,38}[a-z0-9])?", re.ASCII)
 #: Modules that setuptools and pytest run if they are next to pyproject.toml.
 _RUN_BY_OTHERS = ("setup", "conftest")
@@ -67,10 +69,17 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="a line and a train of your own, as a complete scenario file",
         examples=[
             "railhil new line myline",
+            "railhil new line mymetro --stops 6",
             "railhil new line mytrack --from docs/examples/north_south.xml --track t1 t2 t3",
         ],
     )
     _add(line, "the new scenario", "FILE", "NAME.toml", _new_line)
+    line.add_argument(
+        "--stops",
+        type=whole_number(2, _STOPS_MAX),
+        metavar="N",
+        help="a line with N stops and a timetable: one run over all of them",
+    )
     line.add_argument(
         "--from",
         dest="source",
@@ -166,12 +175,19 @@ def _new_line(namespace: argparse.Namespace) -> int:
     if namespace.track_ids and namespace.source is None:
         raise InputError("command line", "--track", " ".join(namespace.track_ids), Sentence("used only with --from"))
 
+    if namespace.stops is not None and namespace.source is not None:
+        raise InputError("command line", "--stops", namespace.stops, Sentence("cannot be given with --from"))
+
     def text_in(folder: Path) -> str:
+        if namespace.stops is not None:
+            return stops_file(namespace.name, namespace.stops)
         if namespace.source is None:
             return line_file(namespace.name)
         return imported_line_file(namespace.name, namespace.source, namespace.track_ids, folder)
 
-    return _scenario(namespace, text_in, f" --controller {LAW_WITH_POSITION}")
+    # The usual law of a line with stops is the one with position.
+    options = "" if namespace.stops is not None else f" --controller {LAW_WITH_POSITION}"
+    return _scenario(namespace, text_in, options)
 
 
 def _new_scenario(namespace: argparse.Namespace) -> int:

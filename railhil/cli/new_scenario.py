@@ -22,6 +22,10 @@ from railhil.scenarios.tomlfile import parse_toml
 _TEMPLATES = Path(__file__).with_name("templates")
 #: Longer values (tables of rows) are left out; they can be found in the base scenario.
 _LETTERS_MAX = 80
+#: Example of a line with stops: names before the last one, distances between stops, grade of each section; repeated.
+_STOPS = ("North Street", "Market", "University", "Park", "Hospital")
+_SPACES_M = (1100, 900, 1400, 1000)
+_GRADES_PERMIL = (8, -6, 10, -8)
 
 
 def line_file(name: str) -> str:
@@ -32,8 +36,39 @@ def line_file(name: str) -> str:
         head="A line and a train of your own",
         title=json.dumps(f"{name}, from North Street to Harbour"),
         values="all values",
+        train=_fill("own_train.toml.in"),
         line=_fill("own_line.toml.in"),
         distance_m="1400",
+    )
+
+
+def stops_file(name: str, count: int) -> str:
+    """The text of a complete scenario on a line with stops and a timetable, and with a train of its own.
+
+    Between two stops the line climbs and falls, and its limit changes.
+
+    :param count: number of stops, at least 2.
+    """
+    names = [*_STOPS[: count - 1], *(f"Stop {number}" for number in range(len(_STOPS) + 1, count)), "Harbour"]
+    places_m = [sum(_SPACES_M[number % len(_SPACES_M)] for number in range(order)) for order in range(count)]
+    grades, limits = [[0, 0]], [[0, 50]]
+    for order, place_m in enumerate(places_m[:-1]):
+        permil = _GRADES_PERMIL[order % len(_GRADES_PERMIL)]
+        grades += [[place_m + 300, permil], [place_m + 600, 0]]
+        limits += [[place_m + 200, 70], [places_m[order + 1] - 300, 50]]
+    rows = [
+        f'    {{ name = {json.dumps(stop)}, position_m = {place_m}, platform = "left", psd = true }},'
+        for stop, place_m in zip(names, places_m, strict=True)
+    ]
+    return _fill(
+        "stops.toml.in",
+        name=name,
+        count=str(count),
+        title=json.dumps(f"{name}, from {names[0]} to {names[-1]}"),
+        train=_fill("own_train.toml.in"),
+        grades=json.dumps(grades),
+        limits=json.dumps(limits),
+        stops="\n".join(rows),
     )
 
 
@@ -55,6 +90,7 @@ def imported_line_file(name: str, source: Path, track_ids: Sequence[str], folder
         head="A line of another tool's file and a train of your own",
         title=json.dumps(f"{name}, on a line of {source.name}", ensure_ascii=False),
         values="the values of the train",
+        train=_fill("own_train.toml.in"),
         line="\n".join(["[line]", *keys, *notes, ""]),
         distance_m=repr(new.distance_m),
     )

@@ -172,8 +172,10 @@ def _format_default(value: object) -> str:
 
 
 def _describe_allowed(node: Schema) -> str:
-    choices = [choice for choice in node.get("anyOf", (node,)) if choice.get("type") != "null"]
-    return " or ".join(_describe_choice(choice) for choice in choices)
+    several = [choice for name in ("anyOf", "oneOf") for choice in node.get(name, ())]
+    if several:
+        return " or ".join(_describe_allowed(choice) for choice in several if choice.get("type") != "null")
+    return _describe_choice(node)
 
 
 def _describe_choice(node: Schema) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,9 @@ _ALLOWED = "a scenario that railhil has written"
 class TrainScenarios:
     """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
 
+    #: Meaning of the keys of its files, and those that are changed most often.
+    meaning: ClassVar[Mapping[str, str]] = MEANING
+    usual: ClassVar[tuple[str, ...]] = USUAL
     #: Class of the scenarios; a system whose runs are longer has a subclass.
     scenario_type: ClassVar[type[Scenario]] = Scenario
 
@@ -58,10 +62,10 @@ class TrainScenarios:
     def list_keys(self) -> list[Key]:
         from railhil.scenarios.reference import keys
 
-        return keys(self.file_type, MEANING, UNITLESS)
+        return keys(self.file_type, self.meaning, UNITLESS)
 
     def usual_keys(self) -> list[Key]:
-        return [key for key in self.list_keys() if key.name in USUAL]
+        return [key for key in self.list_keys() if key.name in self.usual]
 
     @property
     def file_type(self) -> type[BaseModel]:

@@ -40,7 +40,7 @@ def check_file(
     check.check_periods(timing, watch, False, contract, refuse)
     route = file.route
     errors_m: list[tuple[Keys, float]] = [(("route", "stop_error_max_m"), route.stop_error_max_m)]
-    for row, stop in enumerate(route.stops or ()):
+    for row, stop in enumerate(route.stops):
         if stop.stop_error_max_m is not None:
             errors_m.append((("route", "stops", row, "stop_error_max_m"), stop.stop_error_max_m))
     for key, error_m in errors_m:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, cast
@@ -15,12 +15,15 @@ from railhil.systems.ato.scenario.canonical import scenario_sha256 as section_sh
 from railhil.systems.ato.scenario.kind import TrainScenarios, scenario_of
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.line.scenario.canonical import scenario_sha256
+from railhil.systems.line.scenario.keys import MEANING, USUAL
 from railhil.systems.line.scenario.model import LineScenario, StationStop
 
 
 class LineScenarios(TrainScenarios):
     """Scenarios of ``line``, see :class:`railhil.scenarios.task.ScenarioKind`."""
 
+    meaning: ClassVar[Mapping[str, str]] = MEANING
+    usual: ClassVar[tuple[str, ...]] = USUAL
     scenario_type: ClassVar[type[Scenario]] = LineScenario
 
     def read(self, layers: Layers) -> Scenario:

@@ -138,7 +138,7 @@ def turn_line(
 
 
 def _choose_stops(whole: StopLine, route: RouteTable, refuse: Refuse) -> list[_Chosen]:
-    if route.stops is None:
+    if "stops" not in route.model_fields_set:
         return _cut_stops(whole, ("route",), route.from_stop, route.to_stop, refuse)
     if len(route.stops) < 2:
         words = "1 stop" if route.stops else "no stop"

@@ -152,7 +152,7 @@ class RouteTable(Table):
     ``to_stop``), with their times in arrays.
     """
 
-    stops: list[RouteStopTable] | None = None
+    stops: list[RouteStopTable] = []
     from_stop: Text | int | None = None
     to_stop: Text | int | None = None
     first_departure_s: Time = 30.0
