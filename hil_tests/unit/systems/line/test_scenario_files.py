@@ -23,7 +23,7 @@ from railhil.systems.line.scenario.model import LineScenario
 from railhil.systems.line.scenario.perturb import draw_line
 from railhil.systems.line.scenario.regenerate import target_texts
 
-SHIPPED = ["four_stops", "yizhuang_out", "yizhuang_back", "yizhuang_round"]
+SHIPPED = ["four_stops", "yizhuang_out", "yizhuang_out_coast", "yizhuang_back", "yizhuang_round"]
 PLATFORM = 'platform = "left"'
 
 
@@ -43,6 +43,7 @@ def written(folder: Path, text: str, base: str = "four_stops") -> LineScenario:
     [
         ("four_stops", 340.0, 3420.0, 4),
         ("yizhuang_out", 30 + 2107.0, 22_728.0, 14),
+        ("yizhuang_out_coast", 30 + 2107.0, 22_728.0, 14),
         ("yizhuang_back", 30 + 2104.0, 22_728.0, 14),
         ("yizhuang_round", 30 + 2107.0 + 120.0 + 2104.0, 45_456.0, 27),
     ],
@@ -109,10 +110,11 @@ def test_track_behind_the_last_stop_is_an_assumption() -> None:
     assert any("30 m of overrun track behind Songjiazhuang" in text for text in line("yizhuang_round").assumptions)
 
 
-def test_the_target_files_of_the_return_are_what_the_generator_makes() -> None:
-    path = layers.DATA / "runs" / "yizhuang_back.toml"
-    for name, text in target_texts(path).items():
-        assert (layers.DATA / "targets" / f"{name}.toml").read_text() == text
+@pytest.mark.parametrize("name", ["yizhuang_back", "yizhuang_out_coast"])
+def test_target_files_of_a_line_are_what_the_generator_makes(name: str) -> None:
+    path = layers.DATA / "runs" / f"{name}.toml"
+    for file, text in target_texts(path).items():
+        assert (layers.DATA / "targets" / f"{file}.toml").read_text() == text
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -27,6 +27,7 @@ from railhil.systems.ato.energy.ideal_train import (
     top_speeds_mps,
 )
 from railhil.systems.ato.energy.transitions import DRIVINGS, IMPOSSIBLE, Transitions
+from railhil.systems.ato.scenario.coast import guess_multiplier_w
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -143,7 +144,8 @@ class _Programme:
         smaller of both is taken.
         """
         best_j, best_w = -inf, 0.0
-        low_w, high_w, multiplier_w = 0.0, inf, self._guess_w(running_time_s)
+        guess_w = guess_multiplier_w(self._mass_kg, float(self._cells.edges_m[-1]), running_time_s)
+        low_w, high_w, multiplier_w = 0.0, inf, min(max(guess_w, 10 * _LEAST_W), _MOST_W / 10)
         while high_w > _RATIO * low_w and _LEAST_W < multiplier_w < _MOST_W:
             values, time_s = self._solve(multiplier_w)
             dual_j = float(values[0, 0]) - multiplier_w * running_time_s
@@ -157,12 +159,6 @@ class _Programme:
         speed, time_s = self._path(best_w)
         best_j = min(best_j, self._work_j(speed) + best_w * (time_s - running_time_s))
         return max(best_j, 0.0), best_w
-
-    def _guess_w(self, running_time_s: float) -> float:
-        """A multiplier near the best one: twice the mean kinetic energy over distance, times the mean speed."""
-        distance_m = float(self._cells.edges_m[-1])
-        guess_w = 2 * self._mass_kg * (distance_m / running_time_s) ** 3 / distance_m
-        return min(max(guess_w, 10 * _LEAST_W), _MOST_W / 10)
 
     def drive(self, running_time_s: float, multiplier_w: float) -> float:
         """Work in J of a driving that takes the time that is asked for, or less where even that costs no more.

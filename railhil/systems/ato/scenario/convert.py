@@ -262,6 +262,7 @@ def curve_limits(table: schema.GenerateTable) -> CurveLimits:
         brake_utilisation=table.brake_utilisation,
         speed_margin_mps=table.speed_margin_kmh / 3.6,
         hold_min_s=table.hold_min_s,
+        coast=table.coast,
     )
 
 

@@ -5,18 +5,21 @@ limits, the train's limit and one common speed cap. Its speed over time is then 
 average keeps the distance, keeps every acceleration within its bounds, turns piecewise-constant acceleration into
 piecewise-linear, and bounds the jerk by ``(a_max + b_max) / tau``. The cap is lowered until the running time is nearly
 met; the rest is a stretch of time by ``k >= 1``, which keeps the distance exactly and lowers speed, acceleration and
-jerk by k, k^2 and k^3.
+jerk by k, k^2 and k^3. A curve with coasting (:mod:`.coast`) has no cap; its multiplier of time is lowered instead, and
+the run between the last two multipliers that takes the time is smoothed and stretched in the same way.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from railhil.scenarios.profiles import Floats, MeanGrade, find_lowest
+from railhil.systems.ato.scenario.coast import CoastingRuns, guess_multiplier_w, mix_squares
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.envelope import (
     CurveError,
@@ -40,6 +43,9 @@ _CELLS_MAX = 2000
 _STRAIGHT_END_S = 1.0
 _CAP_STEPS = 14
 _CAP_LEAST_MPS = 2.0
+#: Search of the multiplier of a curve with coasting: ratio to the first guess on both sides, steps; then steps in which
+#: the share of two runs is halved.
+_MULTIPLIER_RATIO, _MULTIPLIER_STEPS, _SHARE_STEPS = 200.0, 11, 14
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,8 @@ class CurveLimits:
 
     ``traction_utilisation`` and ``brake_utilisation`` are the shares of the train's force limits that the
     curve may use: the rest is reserved for control. ``speed_margin_mps`` is the distance kept to the line's limits.
-    Higher limits that would be used for less than ``hold_min_s`` between two lower ones are left unused.
+    Higher limits that would be used for less than ``hold_min_s`` between two lower ones are left unused. With ``coast``
+    the curve saves traction work in the same time: the train coasts before it brakes (:mod:`.coast`).
     """
 
     accel_max_mps2: float = 0.8
@@ -59,6 +66,7 @@ class CurveLimits:
     brake_utilisation: float = 0.8
     speed_margin_mps: float = 2 / 3.6
     hold_min_s: float = 10.0
+    coast: bool = False
 
 
 def generate(line: Line, train: Train, distance_m: float, running_time_s: float, limits: CurveLimits) -> TargetCurve:
@@ -73,6 +81,8 @@ def generate(line: Line, train: Train, distance_m: float, running_time_s: float,
     nodes = fastest
     if running_time_s < fastest[-1][0] - 1e-6:
         raise CurveError(f"running time {running_time_s:g} s is shorter than the fastest, {fastest[-1][0]:.3f} s")
+    if limits.coast and (coasting := builder.coast(running_time_s)):
+        return _stretch(coasting, running_time_s)
     low, high = _CAP_LEAST_MPS, builder.top_mps
     for _ in range(_CAP_STEPS):
         cap = (low + high) / 2
@@ -81,6 +91,10 @@ def generate(line: Line, train: Train, distance_m: float, running_time_s: float,
             high, nodes = cap, slower
         else:
             low = cap
+    return _stretch(nodes, running_time_s)
+
+
+def _stretch(nodes: list[tuple[float, float]], running_time_s: float) -> TargetCurve:
     stretch = max(running_time_s / nodes[-1][0], 1.0)
     return TargetCurve(tuple((round(t * stretch, 9), round(a / stretch**2, 12)) for t, a in nodes))
 
@@ -111,13 +125,42 @@ class _Builder:
         """Nodes ``(time_s, accel_mps2)`` of the smoothed fastest run with no speed above the cap."""
         zones = self._join_usable([Zone(z.from_m, z.to_m, min(z.limit_mps, cap_mps)) for z in self._zones])
         forward = make_pass(zones, self._accel)
+        return self._smooth(speed_knots(select_lower(forward, self._brake(zones))))
+
+    def coast(self, running_time_s: float) -> list[tuple[float, float]] | None:
+        """Nodes of the smoothed run with coasting that takes at most that time, and nearly that; None if all take
+        longer, because the time is nearly that of the fastest run."""
+        zones = self._join_usable(self._zones)
+        braking = self._brake(zones)
+        runs = CoastingRuns(self._train, self._limits, zones, self._grade, self._reach_m, braking)
+        guess_w = guess_multiplier_w(self._train.inertial_mass_kg, self._raw_m, running_time_s)
+        low_w, high_w = guess_w / _MULTIPLIER_RATIO, guess_w * _MULTIPLIER_RATIO
+        chosen, slower = runs.list_squares(high_w), None
+
+        def end_s(squares: list[float]) -> float:
+            return speed_knots(runs.list_pieces(squares))[-1][0] + self._tau_s / 2
+
+        if end_s(chosen) > running_time_s:
+            return None
+        for _ in range(_MULTIPLIER_STEPS):
+            multiplier_w = (low_w * high_w) ** 0.5
+            run = runs.list_squares(multiplier_w)
+            if end_s(run) <= running_time_s:
+                high_w, chosen = multiplier_w, run
+            else:
+                low_w, slower = multiplier_w, run
+        if slower is not None:
+            chosen = _mix(chosen, slower, lambda squares: end_s(squares) <= running_time_s)
+        return self._smooth(speed_knots(runs.list_pieces(chosen)))
+
+    def _brake(self, zones: list[Zone]) -> list[Piece]:
+        """The pass with brakes, in running order."""
         end_speed = self._limits.end_braking_mps2 * (self._tau_s / 2 + _STRAIGHT_END_S)
         end_m = end_speed**2 / (2 * self._limits.end_braking_mps2)
         if end_m > self._raw_m / 3:
             raise CurveError(f"{self._raw_m:.1f} m is too short for the smoothing window of {self._tau_s:.2f} s")
         last = Piece(0.0, end_m, 0.0, end_speed**2)
-        backward = mirror(make_pass(mirror_zones(zones, self._raw_m), self._braking, last), self._raw_m)
-        return self._smooth(speed_knots(select_lower(forward, backward)))
+        return mirror(make_pass(mirror_zones(zones, self._raw_m), self._braking, last), self._raw_m)
 
     def _smooth(self, knots: list[tuple[float, float]]) -> list[tuple[float, float]]:
         """Moving average of the speed: ``a(t) = (v(t) - v(t - tau)) / tau``, linear between nodes."""
@@ -207,6 +250,15 @@ def _samples(low_mps: float, high_mps: float, curve: tuple[tuple[float, float], 
     corners = [speed for speed, _ in curve]
     inside = corners[bisect_right(corners, low_mps) : bisect_right(corners, high_mps)]
     return np.array([low_mps, (low_mps + high_mps) / 2, high_mps, *inside])
+
+
+def _mix(faster: list[float], slower: list[float], is_in_time: Callable[[list[float]], bool]) -> list[float]:
+    """The slowest run between two that is in time."""
+    low, high = 0.0, 1.0
+    for _ in range(_SHARE_STEPS):
+        share = (low + high) / 2
+        low, high = (share, high) if is_in_time(mix_squares(faster, slower, share)) else (low, share)
+    return mix_squares(faster, slower, low)
 
 
 def _join(zones: list[Zone]) -> list[Zone]:

@@ -60,6 +60,7 @@ MEANING = {
     "target.generate.brake_utilisation": "share of the brake force used for planning",
     "target.generate.speed_margin_kmh": "margin below the speed limits",
     "target.generate.hold_min_s": "a higher limit that would be used for less than this is left unused",
+    "target.generate.coast": "whether the train coasts before it brakes: less traction work in the same time",
     "plan.distance_m": "from standstill to the stopping point",
     "plan.running_time_s": "timetable; or running_time_reserve_percent",
     "plan.running_time_reserve_percent": "reserve over the fastest run, rounded up to whole seconds (target.generate)",

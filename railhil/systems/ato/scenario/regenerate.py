@@ -32,7 +32,8 @@ def target_file_text(curve: TargetCurve, limits: GenerateTable, command: str) ->
         "]",
         "",
         "[generate]",
-        *(f"{key} = {value!r}" for key, value in limits.model_dump().items()),
+        *(f"{key} = {value!r}" for key, value in limits.model_dump(exclude={"coast"}).items()),
+        *(["coast = true"] if limits.coast else []),
     ]
     return "\n".join(lines) + "\n"
 

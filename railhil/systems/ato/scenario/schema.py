@@ -161,6 +161,7 @@ class GenerateTable(Table):
     brake_utilisation: Annotated[float, Field(gt=0, le=1)] = 0.8
     speed_margin_kmh: NotNegative = 2.0
     hold_min_s: NotNegative = 10.0
+    coast: bool = False
 
 
 class TargetTable(Table):
