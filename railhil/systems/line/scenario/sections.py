@@ -10,7 +10,7 @@ from functools import lru_cache
 
 from railhil.scenarios import profiles
 from railhil.systems.ato.scenario.canonical import scenario_sha256
-from railhil.systems.ato.scenario.generate import CurveLimits, generate
+from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s, generate
 from railhil.systems.ato.scenario.model import Balise, Line, Perturbations, RunPlan, Scenario, TargetCurve, Train
 from railhil.systems.ato.scenario.target import target_of
 from railhil.systems.line.scenario.model import LineScenario
@@ -167,3 +167,10 @@ def generate_once(
 ) -> TargetCurve:
     """:func:`railhil.systems.ato.scenario.generate.generate`, made once for equal arguments."""
     return generate(line, train, distance_m, running_time_s, limits)
+
+
+@lru_cache(maxsize=256)
+def find_fastest_s(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> float:
+    """:func:`railhil.systems.ato.scenario.generate.fastest_time_s`, found once for equal arguments: a command loads its
+    scenario more than once."""
+    return fastest_time_s(line, train, distance_m, limits)
