@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -104,7 +103,7 @@ def test_junit_report_and_console_list_them(lvshun: Scenario, tmp_path: Path) ->
     assert failure.get("message") == "+0.412 m (allowed +-0.3 m)"
     html = page([row_of(tmp_path, {}, lvshun, Trace(wire_contract()), score)])
     assert '<h2 id="each-stop">Stops</h2>' in html
-    assert re.search(r"Xiaohongmen</td><td[^>]*>2300</td>", html)
+    assert '<th>Xiaohongmen <span class="unit">(worst)</span></th><td>2300</td>' in html
     assert "FAIL: +0.412 m (allowed +-0.3 m)" in html
 
 
