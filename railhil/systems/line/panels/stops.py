@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from railhil.charts.figure import Area, Chart, Figure, Look, Point
+from railhil.systems.ato.energy.record import energy_share_percent
 from railhil.systems.line.judge.stop import LineStop
 from railhil.systems.line.panels.drawn import DrawnRun
 from railhil.systems.line.panels.train_graph import shorten_name
 from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.shipped_bounds import shipped_bound_kj
 
 #: Height of a row, and of each further run in it, px.
 _ROW_PX, _RUN_PX = 20, 5
@@ -65,7 +67,8 @@ def _limits(line: LineScenario, rows: dict[int, float]) -> Iterator[Area]:
 
 
 def energy(line: LineScenario, runs: Sequence[DrawnRun]) -> list[Figure]:
-    """Bars of the traction work of each section, and of the part that could be regenerated.
+    """Bars of the traction work of each section, of the part that could be regenerated, and the bound where one is
+    shipped.
 
     :returns: empty if no run has a section.
     """
@@ -81,6 +84,7 @@ def energy(line: LineScenario, runs: Sequence[DrawnRun]) -> list[Figure]:
             areas += _bars(run, section.number, section.traction_kj, section.regenerated_kj, top, high, len(runs) > 1)
     if not areas:
         return []
+    points = list(_bounds(line, runs[0], rows))
     names = {
         row: f"{number} to {shorten_name(line.stops[line.sections[number - 1].arrival].name)}"
         for number, row in rows.items()
@@ -88,8 +92,13 @@ def energy(line: LineScenario, runs: Sequence[DrawnRun]) -> list[Figure]:
     most_mj = max(area.x[1] for area in areas if area.x)
     bounds = (0.0, 1.05 * most_mj), (min(names) - 0.6, max(names) + 0.6)
     height_px = _height_px(len(names), len(runs))
-    chart = Chart((), "energy at the wheel (MJ)", "", *bounds, areas, y_names=names, height_px=height_px)
-    caption = "Traction work of each section; the lighter bar is what the electric brake could give back (estimate)."
+    chart = Chart((), "energy at the wheel (MJ)", "", *bounds, areas, points, y_names=names, height_px=height_px)
+    caption = "Traction work of each section; the inner bar is what the electric brake could give back (estimate)."
+    if points:
+        caption += (
+            " Bound: the least work of an ideal train with the limits of a comfortable driving in the same time"
+            f"{f' (of {runs[0].label})' if len(runs) > 1 else ''}, uncertainty 0.5 %; it has no lag and no jerk limit."
+        )
     return [Figure("energy", "Energy of the sections", caption, [chart])]
 
 
@@ -105,6 +114,19 @@ def _bars(
     back = (top - 0.75 * high, top - 0.25 * high)
     told += f", regenerated {back_kj / _MJ:.1f} MJ"
     yield Area((0.0, back_kj / _MJ), back, "block", told, run.number, "regenerated", "line")
+
+
+def _bounds(line: LineScenario, run: DrawnRun, rows: dict[int, float]) -> Iterator[Point]:
+    """The bound of each section in the time that the run has used."""
+    look = Look("ink", marker="D", is_full=True, marker_px=6.0)
+    for _, stop in line_stops(run):
+        section = stop.section
+        bound_kj = section and shipped_bound_kj(line, section.number, section.made_s)
+        if section is None or bound_kj is None:
+            continue
+        share = energy_share_percent(section.traction_kj, bound_kj)
+        text = f"section {section.number}: bound {bound_kj / _MJ:.1f} MJ, the run used {share:.0f} % of it"
+        yield Point("bound", bound_kj / _MJ, rows[section.number], look, text=text)
 
 
 def _height_px(rows: int, runs: int) -> int:

@@ -87,6 +87,7 @@ def _late_band(line: LineScenario, run: DrawnRun, is_named: bool) -> Band:
     wanted_m = fold_positions(line, planned.positions_at(run.time_s))
     made_m = fold_positions(line, run.position_m)
     label = f"{run.label}: late" if is_named else "late"
+    label = label if is_late.any() else ""
     look = Look(run.style.look.colour) if is_named else _LATE
     low, high = (np.where(is_late, one, np.nan) for one in (made_m, wanted_m))
     return Band(label, run.time_s, low, high, look, run=run.number)
