@@ -31,7 +31,9 @@ class Onboard:
     :param wheel_factor: share of the true distance that its own axle reads.
     :ivar is_dead: it no longer works (a fault).
     :ivar has_authority: it receives the movement authority (unless a fault prevents it).
+    :ivar demands: its last ones, always the same object.
     :ivar reaction: the strongest of its demands.
+    :ivar has_failed: the emergency brake acts because the demands were too old; it stays until the end of the run.
     """
 
     def __init__(self, scenario: LineScenario, seed: int, wheel_factor: float) -> None:
@@ -47,20 +49,12 @@ class Onboard:
         self._own_of_legs, self._own = own, deque(own[scenario.stops[0].leg])
         data = TrainData(train.length_m, train.speed_limit_mps, train.gravity_mps2)
         self._protection = TrainProtection(scenario.atp, data, self._legs[scenario.stops[0].leg], 0.0)
+        self.demands: Demands = self._protection.demands
+        self.has_failed = False
         self._tick_s = tick_s
         self._fresh_ticks = round(FRESH_S / tick_s)
         self._fresh_tick = 0
         self._passed: list[tuple[int, float]] = []
-
-    @property
-    def demands(self) -> Demands:
-        """Its last demands."""
-        return self._protection.demands
-
-    @property
-    def has_failed(self) -> bool:
-        """Whether the emergency brake acts because its demands are too old."""
-        return self.reaction == EMERGENCY_BRAKE and not self.demands.emergency_brake
 
     @property
     def status(self) -> int:
@@ -106,8 +100,9 @@ class Onboard:
                 )
             )
             self._passed.clear()
-            self.reaction = _reaction(demands)
+            self.reaction = EMERGENCY_BRAKE if self.has_failed else _reaction(demands)
         elif tick - self._fresh_tick > self._fresh_ticks:
+            self.has_failed = self.has_failed or not self.demands.emergency_brake
             self.reaction = EMERGENCY_BRAKE
         return self.reaction > before
 

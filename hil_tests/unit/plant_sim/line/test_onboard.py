@@ -93,6 +93,7 @@ def test_a_dead_protection_applies_the_emergency_brake_within_half_a_second() ->
     driver.run(lambda: onboard.reaction == EMERGENCY_BRAKE)
     assert 40 <= driver.train.tick - ticks <= 51
     assert driver.kinds()[-2:] == ["atp", "emergency"]
+    onboard.is_dead = False
     driver.run(standing(driver))
     assert (told(driver).emergency_brake, told(driver).cause) == (FLAG_TRUE, AtpCause.SELF_TEST)
 
