@@ -46,6 +46,7 @@ LINE = System(
     events=EVENTS,
     injects=(*ato.INJECTS, *INJECTS),
     faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",
+    given="railhil.controller_node.ato.given:GivenNotchLaw",
     by_section=("tune", "export-c", "audit"),
     truth=Truth(
         port="SIM_TRUTH",

@@ -11,6 +11,7 @@ import pytest
 from hil_tests.unit.controller_node.line.world import four_stops
 from railhil.controller_node.ato.control_loop import NO_BALISE
 from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.given.python import PythonObject
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.line.memory import join_memories, section_memory
 from railhil.controller_node.line.place import Place
@@ -19,7 +20,7 @@ from railhil.controller_node.line.telemetry import SectionTelemetry
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.systems.ato.scenario.target import Target
 
 K = 60
@@ -173,3 +174,18 @@ def test_the_memory_of_a_line_has_an_entry_for_each_section(tmp_path: Any) -> No
         assert (newest.key, newest.values) == (f"section {index}", {"gain": index})
     assert section_memory(memory, 2).stored[0].fault == "values"
     assert join_memories(four_stops(), {0: None}) is None
+
+
+def test_code_of_the_user_computes_the_notch_of_every_section() -> None:
+    def compute(reading: Any) -> float:
+        return float(4 * (reading.set_point_mps - reading.speed_mps))
+
+    given = PythonObject(compute)
+    node = given.make_node(four_stops(), RunSpec(law=LawSpec.of_given(given)), fd=False, bit_rate=None)
+    sections = node.controller
+    codes = []
+    for index, k in ((0, 60), (1, 334)):
+        sections.depart(index, k, 12_000_000 * index, 12_000_000 * index, NO_BALISE)
+        codes += [sections.step(k + later, 0, 12_000_000 * index).notch_code for later in (0, 4)]
+    assert codes[0] == codes[2] == 0
+    assert min(codes[1], codes[3]) > 0
