@@ -7,8 +7,8 @@ brake stays until the end of the run.
 Choices where the specification leaves one: doors that lose their lock in motion cut traction at any speed; below
 5 km/h the service brake stops the train, from 5 km/h on the emergency brake. The last authority stays valid for 1 s
 without another one; then the service brake applies, as before a red signal. An unknown position holds the train until a
-balise confirms it. Before ceilings and targets the EBI lies behind the service brake; for the other causes the emergency
-brake follows a service brake that does not slow the train down.
+balise confirms it. Before ceilings and targets the EBI lies behind the service brake; for the other causes the
+emergency brake follows a service brake that does not slow the train down.
 """
 
 from __future__ import annotations

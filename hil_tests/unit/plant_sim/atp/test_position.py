@@ -98,3 +98,9 @@ def test_a_reference_is_at_least_as_wide_as_a_balise() -> None:
     assert (place.least_m, place.estimated_m, place.most_m) == (9.5, 10.0, 10.5)
     place.refer(10.0, 0.0, 3.0)
     assert (place.least_m, place.most_m) == (7.0, 13.0)
+
+
+@pytest.mark.parametrize("at_m", [1.0, -1.0])
+def test_exactly_at_the_edge_is_within(at_m: float) -> None:
+    assert interval((1, at_m)).read(1, 0.0)
+    assert not interval((1, at_m * 1.001)).read(1, 0.0)

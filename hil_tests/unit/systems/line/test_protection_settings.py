@@ -25,7 +25,6 @@ from railhil.systems.line.scenario.protection import (
 )
 from railhil.systems.line.scenario.protection_keys import ATP_MEANING
 
-
 TRAIN = load("yizhuang_01_songjiazhuang_xiaocun").train
 
 
