@@ -15,10 +15,13 @@ from hil_tests.support.paths import TEST_DATA
 from railhil.scenarios import layers
 from railhil.scenarios.load import load_any
 from railhil.scenarios.streams import PERTURBATION, generator
+from railhil.scenarios.system import system_named
+from railhil.systems.ato.scenario.keys import MEANING as ATO_MEANING
 from railhil.systems.ato.scenario.model import TargetCurve, Uniform
 from railhil.systems.ato.scenario.perturb import perturb
 from railhil.systems.ato.scenario.target import Target
 from railhil.systems.line.scenario.canonical import scenario_sha256
+from railhil.systems.line.scenario.keys import MEANING
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.systems.line.scenario.perturb import draw_line
 from railhil.systems.line.scenario.regenerate import target_texts
@@ -228,3 +231,13 @@ def test_the_shipped_curves_of_the_way_out_are_those_of_the_single_runs() -> Non
     curve = cast("LineScenario", load_any("yizhuang_05")).target
     assert isinstance(curve, TargetCurve)
     assert (nodes == np.array(curve.nodes)).all()
+
+
+def test_every_key_of_a_line_has_a_meaning() -> None:
+    keys = system_named("line").scenario_kind.list_keys()
+    assert [key.name for key in keys if not key.meaning] == []
+    assert {"route.stops[].position_m", "route.leg[].line", "route.signal[].clear_s"} <= {key.name for key in keys}
+
+
+def test_the_meanings_are_those_of_keys_that_there_are() -> None:
+    assert {*MEANING} - {key.name for key in system_named("line").scenario_kind.list_keys()} <= {*ATO_MEANING}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from railhil.systems.ato.scenario import keys
+from railhil.systems.line.scenario.protection_keys import ATP_MEANING
 
 _STOPS = {
     "name": "name of a stop, in the order of the run",
@@ -58,35 +59,6 @@ _ROUTE = {
     "signal[].clear_s": "it shows red until this time of the run",
     "signal[].leg": "its leg, from 1",
 }
-_ATP = {
-    "enabled": "whether the train protection supervises the run",
-    "profile": "values that are not given: metro or subset026",
-    "emergency_mps2": "deceleration of the emergency brake, or rows [from km/h, m/s2]",
-    "k_dry": "factor for the guaranteed deceleration on dry rails, or rows [from km/h, factor]",
-    "k_wet": "factor for wet rails, or rows [from km/h, factor]",
-    "m_avadh": "weight of the available adhesion: 0 wet, 1 dry",
-    "a_max_reduced_mps2": "largest deceleration that reduced adhesion gives",
-    "service_mps2": "deceleration of the service brake, or rows [from km/h, m/s2]",
-    "t_be_s": "equivalent dead time of the emergency brake",
-    "t_bs_s": "that of the service brake",
-    "t_cut_s": "delay of the traction cut-off",
-    "t_warning_s": "from the warning to the service brake",
-    "t_driver_s": "from the permitted speed to the service brake",
-    "t_ind_min_s": "least time from the indication to the permitted speed, besides t_driver_s",
-    "eoa_overlap_m": "end of authority behind a stop",
-    "svl_overlap_m": "supervised location behind a stop",
-    "v_release_kmh": "largest release speed",
-    "d_trip_m": "how far beyond the end of authority the release speed may carry the train",
-    "rotating_percent": "rotating masses, or unknown; default: those of the train",
-    "increments": "speeds above a ceiling at which it reacts: metro or subset026",
-    "over_reading": "share by which its odometer may read too much",
-    "under_reading": "share by which it may read too little",
-    "balise_accuracy_m": "accuracy of a balise's place",
-    "balise_spacing_m": "balises of its own between those of the line, at most this far apart; 0: none",
-    "ato_margin_m": "distance that the target curves keep before the permitted speed",
-    "ato_margin_kmh": "speed that they keep below it",
-    "heed_atp": "whether the controller takes traction off before it reaches the permitted speed",
-}
 #: By dotted key, with the keys of ``ato``.
 MEANING = {
     **keys.MEANING,
@@ -105,7 +77,7 @@ MEANING = {
         for name, meaning in keys.MEANING.items()
         if name.startswith("target.generate.")
     },
-    **{f"atp.{name}": meaning for name, meaning in _ATP.items()},
+    **ATP_MEANING,
     "perturbations.section_mass_factor": "mass, drawn for each section: the load changes at the stops",
     "perturbations.atp_wheel_factor": "reading of the train protection's own axle sensor",
 }
