@@ -129,7 +129,7 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
-    row = evaluated(entry, seen_in(result))
+    row = evaluated(entry, seen_in(result, entry))
     if not row.made:
         # The condition of its faults did not occur: the table has no run of it, nor the folder.
         shutil.rmtree(out / entry.id)
@@ -174,6 +174,15 @@ def _reaction(row: Row) -> str:
     return f"{wanted} (up to {row.reaction})"
 
 
+def _bound(row: Row) -> tuple[str, str]:
+    """Bound and margin of the reaction, or those of the sign with the smallest margin."""
+    margin_ms, within_ms = row.margin_ms, row.entry.within_ms
+    if within_ms is None and row.tightest is not None:
+        after_ms, within_ms = row.tightest
+        margin_ms = within_ms - after_ms
+    return "-" if within_ms is None else str(within_ms), "-" if margin_ms is None else str(round(margin_ms))
+
+
 def _print_rows(console: Output, rows: Sequence[Row]) -> None:
     """The table of reactions; the times are in ms from the first effect."""
     shown = table(tight=True)
@@ -194,8 +203,7 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
             _millis(row.detected_s, row.effective_s),
             _reaction(row),
             _millis(row.reaction_s, row.effective_s),
-            "-" if entry.within_ms is None else str(entry.within_ms),
-            "-" if row.margin_ms is None else str(round(row.margin_ms)),
+            *_bound(row),
             "; ".join(row.failures) or "ok",
         )
     console.print(shown)

@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 
 from railhil.faults.model import WATCH_LEVELS
-from railhil.judge.events.event import LEVEL, REFUSED, RecordedEvent
+from railhil.judge.events.event import LEVEL, MILESTONE, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import CATALOGUE, Entry, catalogue
 from railhil.judge.reactions.evaluate import Row, Seen, evaluated
 from railhil.systems.high_speed import CATALOGUE as HIGH_SPEED
+from railhil.systems.line import CATALOGUE as LINE
 from railhil.systems.stop import CATALOGUE as STOPPING
 
-CATALOGUES = (CATALOGUE, HIGH_SPEED, STOPPING)
+CATALOGUES = (CATALOGUE, HIGH_SPEED, STOPPING, LINE)
 ENTRY: dict[str, Any] = {
     "id": "T9",
     "title": "title",
@@ -98,6 +99,51 @@ def test_a_refusal_that_lasts_counts_from_the_effect() -> None:
     refused = RecordedEvent(9.0, "TRN_SPEED", REFUSED, "gap", until_s=12.0)
     found = row({"detected": ("refused:gap",)}, events=(refused, *SEEN.events))
     assert (found.failures, found.detected_s) == ([], 10.01)
+
+
+SIGNS: dict[str, Any] = {
+    "detected": ("DOOR_STAT.LeftState=fault",),
+    "reaction": "NORMAL",
+    "within_ms": None,
+    "ends": "",
+    "shows": {"DOOR_STAT.LeftState=fault": 500, "milestone:door_refused": 100},
+    "never": {"milestone:departure": 5000},
+}
+REFUSED_ORDER = RecordedEvent(10.05, "plant", MILESTONE, "door_refused")
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({}, []),
+        ({"states": {}}, ["does not show DOOR_STAT.LeftState=fault", "not detected by DOOR_STAT.LeftState=fault"]),
+        (
+            {"states": {"DOOR_STAT.LeftState=fault": (3.0, 10.61)}},
+            ["DOOR_STAT.LeftState=fault after 600 ms, allowed 500 ms"],
+        ),
+        ({"events": SEEN.events}, ["does not show milestone:door_refused"]),
+        (
+            {"events": (*SEEN.events, REFUSED_ORDER, replace(REFUSED_ORDER, cause="departure", time_s=12.0))},
+            ["shows milestone:departure at 12.00 s"],
+        ),
+        ({"events": (*SEEN.events, REFUSED_ORDER, replace(REFUSED_ORDER, cause="departure", time_s=16.0))}, []),
+    ],
+)
+def test_milestones_and_states_are_shown_in_their_time_or_not_at_all(changed: dict[str, Any], said: list[str]) -> None:
+    usual = {"events": (*SEEN.events, REFUSED_ORDER), "states": {"DOOR_STAT.LeftState=fault": (3.0, 10.2)}}
+    assert row(SIGNS, **usual | changed).failures == said
+
+
+def test_the_sign_with_the_smallest_margin_is_the_bound_of_a_row() -> None:
+    found = row(SIGNS, events=(*SEEN.events, REFUSED_ORDER), states={"DOOR_STAT.LeftState=fault": (10.2,)})
+    assert found.tightest == (pytest.approx(40.0), 100)
+    assert found.as_json()["shown_s"]["milestone:door_refused"] == 10.05
+
+
+@pytest.mark.parametrize("sign", ["milestone", "DOOR_STAT.LeftState", "door_stat.LeftState=fault", "timer:x"])
+def test_a_sign_that_is_none_is_refused(sign: str) -> None:
+    with pytest.raises(ValueError, match="shows"):
+        Entry(**ENTRY | {"shows": {sign: 100}})
 
 
 @pytest.mark.parametrize(

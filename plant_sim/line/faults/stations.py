@@ -113,7 +113,9 @@ class NotLocked(DoorFault):
             door.has_lost_lock = True
 
     def note(self) -> None:
-        self.effect(self.active and self.in_state(LOCKED), "locked", "not locked")
+        doors = self.train.doors
+        is_there = doors.has_psd or self.doors != [doors.psd]
+        self.effect(self.active and is_there and self.in_state(LOCKED), "locked", "not locked")
 
 
 class Isolated(DoorFault):

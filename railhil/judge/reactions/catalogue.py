@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 from railhil.common.errors import InputError
 from railhil.faults.language import fault_text, parse, sameness
 from railhil.faults.model import WATCH_LEVELS, Fault, Trigger
+from railhil.judge.reactions.shown import EVENT, STATE, is_sign
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.schema import Table, Text
@@ -26,6 +27,8 @@ from railhil.scenarios.validation import validate
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
 #: In ``detected``: no watch detects the fault.
 NOTHING = "nothing"
+#: A milestone, an interlock or a state on the wire.
+Sign = Annotated[str, Field(pattern=f"^({EVENT.pattern}|{STATE.pattern})$")]
 Level = Literal["NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY"]
 
 
@@ -33,15 +36,17 @@ class Entry(Table):
     """One entry: a level, a cause, a time, and the forbidden reactions.
 
     ``faults``: in the fault language. ``law``: the law of the run, empty: the requested one. ``detected``: one of these
-    must show: a cause of a watch, ``refused:CAUSE`` or ``missed_polls``; ``nothing``: no watch detects the fault, and
-    ``limit`` gives the reason. ``reaction``: the weakest level that a watch must reach, ``within_ms`` from the first
-    effect, NORMAL: none is needed; ``steps``: levels before it, each with its own time in ms. ``at_most``: the
-    strongest allowed; for EMERGENCY, ``ends`` excludes further consequences. ``ends``: ``resumes`` (both watches at
-    NORMAL again, the train stops as planned), ``standstill`` (the train stands at the end), ``lost`` (it does, and the
-    controller is lost). ``verdict``: the run's, where one is expected; for a run that is not judged (INVALID, TOOL
-    ERROR), ``said`` is part of its line, and nothing else is demanded. ``limit``: the undetected part, in words.
-    ``idle``: reason for which the fault may change nothing, for a scenario without its target. ``seen_in``: the test of
-    an entry that is no fault of one run.
+    must show: a cause of a watch, ``refused:CAUSE``, ``missed_polls``, or a sign (a milestone, an interlock or a state
+    on the wire, :mod:`railhil.judge.reactions.shown`); ``nothing``: no watch detects the fault, and ``limit`` gives the
+    reason. ``reaction``: the weakest level that a watch must reach, ``within_ms`` from the first effect, NORMAL: none
+    is needed; ``steps``: levels before it, each with its own time in ms. ``at_most``: the strongest allowed; for
+    EMERGENCY, ``ends`` excludes further consequences. ``ends``: ``resumes`` (both watches at NORMAL again, the train
+    stops as planned), ``standstill`` (the train stands at the end), ``lost`` (it does, and the controller is lost).
+    ``verdict``: the run's, where one is expected; for a run that is not judged (INVALID, TOOL ERROR), ``said`` is part
+    of its line, and nothing else is demanded. ``shows``: signs that the run must show, each with its own time in ms
+    from the first effect; ``never``: signs that it must not show from there on, each for its own time in ms. ``limit``:
+    the undetected part, in words. ``idle``: reason for which the fault may change nothing, for a scenario without its
+    target. ``seen_in``: the test of an entry that is no fault of one run.
     """
 
     id: Annotated[str, Field(pattern=r"^[A-Z][0-9]+[a-z]?$")]
@@ -53,6 +58,8 @@ class Entry(Table):
     steps: dict[Level, Annotated[int, Field(gt=0)]] = Field(default_factory=dict)
     at_most: Level | None = None
     within_ms: Annotated[int, Field(gt=0)] | None = None
+    shows: dict[Sign, Annotated[int, Field(gt=0)]] = Field(default_factory=dict)
+    never: dict[Sign, Annotated[int, Field(gt=0)]] = Field(default_factory=dict)
     ends: Literal["resumes", "standstill", "lost", ""] = ""
     verdict: Literal["PASS", "FAIL", "INVALID", "TOOL ERROR", ""] = ""
     said: str = ""
@@ -67,6 +74,11 @@ class Entry(Table):
         if wrong := self._lacks() if self.faults else "":
             raise ValueError(f"{self.id}: {wrong}")
         return self
+
+    @property
+    def signs(self) -> tuple[str, ...]:
+        """All signs that it names."""
+        return tuple(sign for sign in (*self.detected, *self.shows, *self.never) if is_sign(sign))
 
     @property
     def is_judged(self) -> bool:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import text_beside_limit
@@ -11,8 +11,10 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.judge.reactions.catalogue import Entry
+from railhil.judge.reactions.shown import find_states, first_s
 
 if TYPE_CHECKING:
+    from railhil.judge.declared import Watch
     from railhil.judge.result import Result
 
 VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
@@ -29,7 +31,7 @@ class Seen:
     ``begun_s``: the first fault became active; ``effective_s``: it first changed something; None: never. ``events``:
     those of the run. ``stands``: the train stands at the end of the record, at ``end_s``. ``ended``: the milestone that
     ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason; ``broken``: failures of
-    its score.
+    its score. ``states``: the instants of the states that the entry names (:mod:`railhil.judge.reactions.shown`).
     """
 
     begun_s: float | None
@@ -41,28 +43,36 @@ class Seen:
     verdict: str
     line: str = ""
     broken: Sequence[str] = ()
+    states: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
 
 def _first_s(times_s: Iterable[float | None]) -> float | None:
     return min((time_s for time_s in times_s if time_s is not None), default=None)
 
 
-def seen_in(result: Result) -> Seen:
-    """The effects of a run."""
+def seen_in(result: Result, entry: Entry) -> Seen:
+    """The effects of a run that was made for an entry."""
     trace, truth = result.trace, result.scenario.installed_system.truth
     end_s = trace.times_s(result.judging.truth)
     speed_mps = trace.values(truth.port, truth.speed) if truth and trace.has(truth.port, truth.speed) else end_s[:0]
     return Seen(
         begun_s=_first_s(one.begun_s for one in result.faults),
         effective_s=_first_s(one.effect_s for one in result.faults),
-        events=result.events,
+        events=[_as_reaction(event, result.judging.watches) for event in result.events],
         stands=bool(len(speed_mps)) and float(speed_mps[-1]) == 0.0,
         end_s=float(end_s[-1]) if len(end_s) else 0.0,
         ended=result.score.ended,
         verdict=VERDICTS.get(result.exit_code, f"exit code {result.exit_code}"),
         line=result.line,
         broken=result.score.failures,
+        states=find_states(trace, entry.signs),
     )
+
+
+def _as_reaction(event: RecordedEvent, watches: Sequence[Watch]) -> RecordedEvent:
+    """The event with the strength of its level as its rank."""
+    rungs = next((watch.rungs for watch in watches if watch.name == event.source and event.kind == LEVEL), ())
+    return replace(event, rank=rungs[event.rank]) if rungs else event
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +83,7 @@ class Row:
     first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
     demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: deviations of
     the run from the entry, empty if there are none. ``refused``: reason for which the entry cannot be run on this
-    transport.
+    transport. ``shown_s``: when it first showed each sign that the entry demands.
     """
 
     entry: Entry
@@ -86,6 +96,7 @@ class Row:
     verdict: str = ""
     failures: list[str] = field(default_factory=list)
     refused: str = ""
+    shown_s: dict[str, float | None] = field(default_factory=dict)
 
     @property
     def made(self) -> bool:
@@ -96,6 +107,20 @@ class Row:
         """All fields, with the delays in ms."""
         found = asdict(self) | {"entry": self.entry.id, "faults": list(self.entry.faults)}
         return found | {"after_ms": self.after_ms, "margin_ms": self.margin_ms, "within_ms": self.entry.within_ms}
+
+    @property
+    def tightest(self) -> tuple[float, int] | None:
+        """Delay and bound, in ms, of the sign with the smallest margin; None: the entry demands none, or one is
+        missing."""
+        if self.effective_s is None or None in self.shown_s.values():
+            return None
+        bounds_ms = self.entry.shows
+        delays = (
+            ((at_s - self.effective_s) * 1e3, bounds_ms[sign])
+            for sign, at_s in self.shown_s.items()
+            if at_s is not None
+        )
+        return min(delays, key=lambda one: one[1] - one[0], default=None)
 
     @property
     def after_ms(self) -> float | None:
@@ -157,9 +182,13 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
     shown = reached if entry.reaction != "NORMAL" else strongest
     if strongest is not None and strongest.rank > WATCH_LEVELS.index(entry.at_most):
         failures.append(f"reached {WATCH_LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
+    shown_s = {sign: first_s(sign, seen.events, seen.states, seen.effective_s) for sign in entry.shows}
+    failures += _unshown(entry, shown_s, seen)
     causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
     # An undetected fault may still cause a reaction, at an allowed level.
     of_entry = [(at_s, cause) for at_s, cause in causes if cause and (entry.is_undetected or cause in entry.detected)]
+    signs = [(first_s(sign, seen.events, seen.states, seen.effective_s), sign) for sign in entry.detected]
+    of_entry += [(at_s, sign) for at_s, sign in signs if at_s is not None]
     detected_s, detected_by = min(of_entry, default=(None, ""))
     if detected_s is None and not entry.is_undetected:
         failures.append(f"not detected by {' or '.join(entry.detected)}")
@@ -173,6 +202,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
         shown.time_s if shown is not None else None,
         seen.verdict,
         failures,
+        shown_s=shown_s,
     )
     margin_ms = row.margin_ms
     if margin_ms is not None and entry.within_ms is not None and margin_ms < -1e-6:
@@ -180,6 +210,22 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
         failures.append(f"{entry.reaction} after {took} ms, allowed {entry.within_ms} ms")
     failures += _ending(entry, seen, levels)
     return row
+
+
+def _unshown(entry: Entry, shown_s: Mapping[str, float | None], seen: Seen) -> Iterator[str]:
+    """Signs that the run lacks, shows too late, or must not show."""
+    from_s = seen.effective_s
+    assert from_s is not None
+    for sign, within_ms in entry.shows.items():
+        at_s = shown_s[sign]
+        if at_s is None:
+            yield f"does not show {sign}"
+        elif (at_s - from_s) * 1e3 > within_ms + 1e-6:
+            yield f"{sign} after {(at_s - from_s) * 1e3:.0f} ms, allowed {within_ms} ms"
+    for sign, for_ms in entry.never.items():
+        at_s = first_s(sign, seen.events, seen.states, from_s)
+        if at_s is not None and (at_s - from_s) * 1e3 <= for_ms:
+            yield f"shows {sign} at {at_s:.2f} s"
 
 
 def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[str]:

@@ -45,6 +45,7 @@ LINE = System(
     bound="railhil.systems.line.energy:list_bounds",
     events=EVENTS,
     injects=(*ato.INJECTS, *INJECTS),
+    catalogue="railhil.systems.line:CATALOGUE",
     faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",
     given="railhil.controller_node.ato.given:GivenNotchLaw",
     by_section=("tune", "export-c", "audit"),

@@ -39,6 +39,8 @@ PROTECTION: Final = Watch(
     "",
     (AtpStatus.NORMAL, AtpStatus.INDICATION, AtpStatus.OVERSPEED, AtpStatus.WARNING, AtpStatus.INTERVENTION),
     quiet=frozenset({AtpStatus.INDICATION, AtpStatus.OVERSPEED}),
+    # A warning cuts traction; an intervention is the service brake at least.
+    rungs=(0, 0, 0, 2, 3),
 )
 WATCHES: Final = (*of_train.WATCHES, PROTECTION)
 #: Of the train status all but the doors, which open at each stop: DOOR_STAT and the milestones show them.
