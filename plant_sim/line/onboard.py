@@ -7,6 +7,7 @@ the emergency brake: its demands must be fresh.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -49,6 +50,8 @@ class Onboard:
         self._own_of_legs, self._own = own, deque(own[scenario.stops[0].leg])
         data = TrainData(train.length_m, train.speed_limit_mps, train.gravity_mps2)
         self._protection = TrainProtection(scenario.atp, data, self._legs[scenario.stops[0].leg], 0.0)
+        #: Reads one of them; a faulty reader may change it.
+        self.read_own: Callable[[Balise], None] = self.pass_balise
         self.demands: Demands = self._protection.demands
         self.has_failed = False
         self._tick_s = tick_s
@@ -85,7 +88,7 @@ class Onboard:
         """
         before = self.reaction
         while self._own and self._own[0].true_m <= position_m:
-            self.pass_balise(self._own.popleft())
+            self.read_own(self._own.popleft())
         if not self.is_dead:
             self._fresh_tick = tick
             demands = self._protection.step(

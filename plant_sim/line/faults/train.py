@@ -15,6 +15,7 @@ from railhil.plant_sim.ato.faults.forces import FeltChecks
 from railhil.plant_sim.ato.faults.train import FaultyTrain, UnreadBalise
 from railhil.plant_sim.ato.forces import TrainConstants
 from railhil.plant_sim.ato.plant import EventKind
+from railhil.plant_sim.faults.readings import BaliseReport
 from railhil.plant_sim.line.braked import BrakedTrain, with_brake
 from railhil.plant_sim.line.brakes import EmergencyForce
 from railhil.plant_sim.line.faults.axle import FaultyAxle
@@ -39,6 +40,7 @@ class FaultyLineTrain(FaultyTrain, LineTrain):
         if self.onboard is not None:
             sensors, period_s = self.onboard.sensors, self.onboard.period_ticks * self._step_s
             self.onboard.sensors = FaultyAxle(sensors, self.injections, period_s)  # type: ignore[assignment]
+            self.onboard.read_own = self._read_own_balise
         self._stations = Stations(self, self.injections)
 
     def _assemble(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
@@ -113,7 +115,15 @@ class FaultyLineTrain(FaultyTrain, LineTrain):
             self.onboard.pass_balise(balise)
         super()._read_balise(balise, after_s, odometer_mm)
 
+    def _read_own_balise(self, balise: Balise) -> None:
+        """Read a balise that only the protection sees: with the same reader."""
+        assert self.onboard is not None
+        true_m = balise.true_m + self._reader.shift_m(balise.number)
+        for report in self._reader.reported(BaliseReport(balise.number, balise.surveyed_m)):
+            if report.valid:
+                self.onboard.pass_balise(Balise(report.number, balise.surveyed_m, true_m))
+
     def _event(self, kind: EventKind, *given: Any) -> None:
         super()._event(kind, *given)
         if kind == "atp" and self.onboard is not None:
-            self.injections.happened(AtpCause(self.onboard.demands.cause).name.lower())
+            self.injections.happened(AtpCause(self.onboard.cause).name.lower())
