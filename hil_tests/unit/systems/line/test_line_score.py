@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hil_tests.support.line_records import Told, driven_run, milestones_in, trace_of
@@ -15,7 +16,10 @@ from railhil.common.output import Output
 from railhil.judge.score import Score
 from railhil.judge.stops import worst_stop
 from railhil.scenarios.load import load_any
+from railhil.systems.line.judge.course import course_of
+from railhil.systems.line.judge.invariants import limits_at
 from railhil.systems.line.judge.judging import JUDGING
+from railhil.systems.line.judge.milestones import milestones_of
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.judge.stop import LineStop
 from railhil.systems.line.scenario.model import LineScenario
@@ -216,3 +220,17 @@ def test_the_judging_of_a_line_is_told_in_words(tmp_path: Path) -> None:
     assert names == [name for name, _ in JUDGING.checks(LINE, judged())]
     missed = dict(JUDGING.checks(LINE, judged(with_stop(1, platform="right"))))
     assert missed["doors_only_in_the_window"].startswith("invariant 8")
+
+
+def test_after_a_turn_back_the_limits_of_the_next_leg_hold() -> None:
+    """The leg begins with the departure from the turn-back, so the limit of one place depends on the time."""
+    slow = replace(LINE.legs[0], speed_limit_mps=((-118.0, 10.0),))
+    line = replace(with_stop(1, turn_back=True), legs=(LINE.legs[0], slow))
+    milestones, _ = milestones_of(line, trace_of(line, TOLD))
+    course = course_of(line, milestones)
+    times_s, places_m = np.array([100.0, 259.9, 260.0, 300.0]), np.full(4, 1200.0)
+    assert limits_at(line, course, times_s, places_m).tolist() == [80 / 3.6, 80 / 3.6, 10.0, 10.0]
+    found = judged(line)
+    assert found.verdict == "FAIL"
+    assert found.failures[0].startswith("overspeed ")
+    assert found.extras["overspeed_mps"] == pytest.approx(15.3 - 10.0, abs=0.2)
