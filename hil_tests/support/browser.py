@@ -21,6 +21,37 @@ content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inlin
 <script>window.fetched = [];
 document.addEventListener("securitypolicyviolation", event => window.fetched.push(event.blockedURI));</script>"""
 
+#: An expression for :func:`asked`: what the texts of a page's charts do; lists name the offending texts.
+TEXTS_OF_CHARTS = """
+(() => {
+  const overlaps = [], outside = [];
+  const svgs = [...document.querySelectorAll(".chart > svg")].filter(svg => svg.checkVisibility());
+  let texts = 0;
+  for (const svg of svgs) {
+    const frame = svg.getBoundingClientRect();
+    const boxes = [...svg.querySelectorAll("text")]
+      .filter(text => text.checkVisibility({visibilityProperty: true}))
+      .map(text => [text.textContent, text.getBoundingClientRect()]);
+    texts += boxes.length;
+    boxes.forEach(([name, box], index) => {
+      if (box.left < frame.left - 0.5 || box.right > frame.right + 0.5 || box.top < frame.top - 0.5
+          || box.bottom > frame.bottom + 0.5) outside.push(name);
+      for (const [other, next] of boxes.slice(index + 1)) {
+        // Lines of text stand closer than their boxes, which hold room above and below the letters.
+        const across = Math.min(box.right, next.right) - Math.max(box.left, next.left);
+        const down = Math.min(box.bottom, next.bottom) - Math.max(box.top, next.top);
+        if (across > 0.5 && down > 0.25 * Math.min(box.height, next.height)) overlaps.push([name, other]);
+      }
+    });
+  }
+  const root = document.documentElement;
+  return {overlaps, outside, texts, figures: svgs.length, width: root.clientWidth,
+          beyond: root.scrollWidth - root.clientWidth,
+          table: Math.max(...[...document.querySelectorAll(".wide")].map(box => box.scrollWidth - box.clientWidth)),
+          fetched: window.fetched};
+})()
+"""
+
 
 def browser() -> str | None:
     """Path of Chromium, None when this machine has none."""

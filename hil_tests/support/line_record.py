@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
+from hil_tests.support.recordings import row_of
+from railhil.judge.record import Record
+from railhil.judge.score import Score
+from railhil.judge.stops import PlannedStop, Standstill
+from railhil.record.sampling import drawn_trace
 from railhil.record.trace import Trace
 from railhil.systems.ato.scenario.target import target_of
+from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS
+from railhil.systems.line.judge.stop import LineStop, SectionFigures
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.ato import SimTruth
 from railhil.wire.line import AtpLim, AtpStat, DoorStat, DoorState, StnInfo
@@ -129,3 +137,39 @@ class ImaginedRun:
             AtpLim(permitted_4mmps=round(permitted * 250)),
             AtpStat(ebi_4mmps=round(ebi * 250), sbi_4mmps=round(ebi * 240), uncertainty_cm=round(half_m * 100)),
         )
+
+
+def scored(run: ImaginedRun, missing: tuple[int, ...] = ()) -> Score:
+    """The stops that the train has made, those of ``missing`` without a standstill."""
+    made = {place: (arrived_s, departed_s, error_m) for place, arrived_s, departed_s, error_m in run.stays}
+    stops = []
+    for place, stop in enumerate(run.line.stops):
+        planned = PlannedStop(
+            stop.name, stop.position_m, stop.stop_error_max_m, stop.arrive_s, 5.0, departure_due_s=stop.depart_s
+        )
+        found = LineStop(planned, None)
+        if place in made and place not in missing:
+            arrived_s, departed_s, error_m = made[place]
+            standstill = Standstill(arrived_s, stop.position_m + error_m) if place else None
+            section = SectionFigures(
+                number=max(1, sum(one.arrival <= place for one in run.line.sections)),
+                planned_s=100.0, chosen_s=100.0, made_s=100.0, traction_kj=50_000.0 + 1000 * place,
+                regenerated_kj=9_000.0, comfort_mps2_per_km=1.0, itae_kmh_s2=None, nearest_m=5.0, level="normal",
+            )  # fmt: skip
+            found = LineStop(planned, standstill, departed_s, section=section if place else None)
+        stops.append(found)
+    return Score(
+        "PASS",
+        {criterion.key: 1.0 for criterion in CRITERIA},
+        {criterion.signed: 1.0 for criterion in CRITERIA if criterion.signed},
+        (),
+        "ended_complete",
+        {extra.key: 0.0 for extra in EXTRAS},
+        tuple(stops),
+    )
+
+
+def record(run: ImaginedRun, folder: Path, missing: tuple[int, ...] = (), label: str = "law") -> Record:
+    trace = drawn_trace(run.line, run.trace)
+    made = row_of(folder, {"controller": "ipfc_plus"}, run.line, trace, scored(run, missing))
+    return made.copy_with(label=label, score=made.score, events=())

@@ -8,38 +8,9 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.browser import asked
+from hil_tests.support.browser import TEXTS_OF_CHARTS, asked
 from hil_tests.support.recordings import SharedRuns
 from railhil.report.page import write_report
-
-#: What the page is asked; lists name the offending texts.
-_QUESTION = """
-(() => {
-  const overlaps = [], outside = [];
-  const svgs = [...document.querySelectorAll(".chart > svg")].filter(svg => svg.checkVisibility());
-  let texts = 0;
-  for (const svg of svgs) {
-    const frame = svg.getBoundingClientRect();
-    const boxes = [...svg.querySelectorAll("text")].map(text => [text.textContent, text.getBoundingClientRect()]);
-    texts += boxes.length;
-    boxes.forEach(([name, box], index) => {
-      if (box.left < frame.left - 0.5 || box.right > frame.right + 0.5 || box.top < frame.top - 0.5
-          || box.bottom > frame.bottom + 0.5) outside.push(name);
-      for (const [other, next] of boxes.slice(index + 1)) {
-        // Lines of text stand closer than their boxes, which hold room above and below the letters.
-        const across = Math.min(box.right, next.right) - Math.max(box.left, next.left);
-        const down = Math.min(box.bottom, next.bottom) - Math.max(box.top, next.top);
-        if (across > 0.5 && down > 0.25 * Math.min(box.height, next.height)) overlaps.push([name, other]);
-      }
-    });
-  }
-  const root = document.documentElement;
-  return {overlaps, outside, texts, figures: svgs.length, width: root.clientWidth,
-          beyond: root.scrollWidth - root.clientWidth,
-          table: Math.max(...[...document.querySelectorAll(".wide")].map(box => box.scrollWidth - box.clientWidth)),
-          fetched: window.fetched};
-})()
-"""
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +36,7 @@ def reports(published_run: SharedRuns, tmp_path_factory: pytest.TempPathFactory)
 @pytest.mark.parametrize("name", ["one", "many"])
 @pytest.mark.parametrize("width_px", [1100, 560])
 def test_page_as_shown(reports: dict[str, Path], name: str, width_px: int) -> None:
-    found: dict[str, Any] = asked(reports[name], _QUESTION, width_px)
+    found: dict[str, Any] = asked(reports[name], TEXTS_OF_CHARTS, width_px)
     assert found["fetched"] == []
     assert (found["overlaps"], found["outside"]) == ([], [])
     assert found["beyond"] == 0
@@ -85,7 +56,7 @@ def test_the_question_notices_what_is_wrong(reports: dict[str, Path], tmp_path: 
     text = re.sub(r'(<text[^>]*?) x="[^"]*"', r'\1 x="54"', text)
     text = text.replace("<text ", '<text dx="-400" ', 1)
     broken.write_text(text.replace("</body>", wrong), encoding="utf-8")
-    found = asked(broken, _QUESTION)
+    found = asked(broken, TEXTS_OF_CHARTS)
     assert found["beyond"] > 1000
     # Refused by the page's own policy and by that of the test.
     assert found["fetched"] == ["https://example.invalid/a.png"] * 2

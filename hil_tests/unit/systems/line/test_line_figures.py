@@ -12,16 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil_tests.support.line_record import ImaginedRun
-from hil_tests.support.recordings import row_of
+from hil_tests.support.line_record import ImaginedRun, record
 from railhil.charts.figure import Chart, Curve, Figure
 from railhil.charts.svg import markup
-from railhil.judge.record import Record
 from railhil.judge.score import Score
-from railhil.judge.stops import PlannedStop, Standstill
-from railhil.record.sampling import drawn_trace
 from railhil.scenarios.load import load_any
-from railhil.systems.line.judge.stop import LineStop, SectionFigures
 from railhil.systems.line.panels import pictures
 from railhil.systems.line.panels.drawn import DOORS, EXCHANGE, HOLD, DrawnRun
 from railhil.systems.line.planned import fold_positions, planned_motion
@@ -41,34 +36,6 @@ def four_stops() -> LineScenario:
 def imagined() -> ImaginedRun:
     """Departs from the second stop too late, and stops 4 cm short at the last."""
     return ImaginedRun(four_stops(), late_s={1: _LATE_S}, error_m={3: -0.04})
-
-
-def scored(run: ImaginedRun, missing: tuple[int, ...] = ()) -> Score:
-    """The stops that the train has made, those of ``missing`` without a standstill."""
-    made = {place: (arrived_s, departed_s, error_m) for place, arrived_s, departed_s, error_m in run.stays}
-    stops = []
-    for place, stop in enumerate(run.line.stops):
-        planned = PlannedStop(
-            stop.name, stop.position_m, stop.stop_error_max_m, stop.arrive_s, 5.0, departure_due_s=stop.depart_s
-        )
-        found = LineStop(planned, None)
-        if place in made and place not in missing:
-            arrived_s, departed_s, error_m = made[place]
-            standstill = Standstill(arrived_s, stop.position_m + error_m) if place else None
-            section = SectionFigures(
-                number=max(1, sum(one.arrival <= place for one in run.line.sections)),
-                planned_s=100.0, chosen_s=100.0, made_s=100.0, traction_kj=50_000.0 + 1000 * place,
-                regenerated_kj=9_000.0, comfort_mps2_per_km=1.0, itae_kmh_s2=None, nearest_m=5.0, level="normal",
-            )  # fmt: skip
-            found = LineStop(planned, standstill, departed_s, section=section if place else None)
-        stops.append(found)
-    return Score("PASS", {}, {}, (), "ended_complete", stops=tuple(stops))
-
-
-def record(run: ImaginedRun, folder: Path, missing: tuple[int, ...] = (), label: str = "law") -> Record:
-    trace = drawn_trace(run.line, run.trace)
-    made = row_of(folder, {"controller": "ipfc_plus"}, run.line, trace, scored(run, missing))
-    return made.copy_with(label=label, score=made.score, events=())
 
 
 def figure(figures: list[Figure], name: str) -> Figure:

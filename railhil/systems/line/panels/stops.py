@@ -121,8 +121,7 @@ def _bounds(line: LineScenario, run: DrawnRun, rows: dict[int, float]) -> Iterat
     look = Look("ink", marker="D", is_full=True, marker_px=6.0)
     for _, stop in line_stops(run):
         section = stop.section
-        bound_kj = section and shipped_bound_kj(line, section.number, section.made_s)
-        if section is None or bound_kj is None:
+        if section is None or (bound_kj := shipped_bound_kj(line, section.number, section.made_s)) is None:
             continue
         share = energy_share_percent(section.traction_kj, bound_kj)
         text = f"section {section.number}: bound {bound_kj / _MJ:.1f} MJ, the run used {share:.0f} % of it"
