@@ -59,3 +59,13 @@ def test_a_command_that_takes_a_section_only_names_it(words: list[str], tmp_path
 
 def test_the_option_names_the_section_in_the_list_of_scenarios() -> None:
     assert "four_stops_section_2" in railhil("scenarios", "four_stops", "--section", "2").out
+
+
+@pytest.mark.slow
+def test_the_run_of_a_section_is_repeated_from_its_folder(tmp_path: Path) -> None:
+    run = ("run", "four_stops", "--section", "1", "--controller", "ipfc_plus", "--bus", "local")
+    done = railhil(*run, "--no-report", "--out", "run", cwd=tmp_path)
+    assert done.exit_code == 0, done.err
+    again = railhil("rerun", "run", cwd=tmp_path)
+    assert again.exit_code == 0, again.err
+    assert "same bytes" in again.out

@@ -117,6 +117,14 @@ CHANGES: dict[str, tuple[dict[str, str], str]] = {
         {"profiles_percent = [0, 5, 12]": "profiles_percent = [0, 12, 5]"},
         "route.profiles_percent: found [0.0, 12.0, 5.0], allowed reserves that increase: fast, normal, economy",
     ),
+    "masses out of order": (
+        {"[atp]": "[perturbations]\nsection_mass_factor = [1.1, 0.9]\n[atp]"},
+        "perturbations.section_mass_factor: found [1.1, 0.9], allowed [low, high] with low <= high",
+    ),
+    "a wheel that reads nothing": (
+        {"[atp]": "[perturbations]\natp_wheel_factor = [0, 1]\n[atp]"},
+        "perturbations.atp_wheel_factor: found [0.0, 1.0], allowed factors above 0",
+    ),
     "stops from two sources": (
         {"regulation =": 'to_stop = "D"\nregulation ='},
         "route.to_stop: found 'D', allowed no such key beside route.stops",

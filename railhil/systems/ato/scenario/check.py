@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import fields
 from itertools import pairwise
 
 import numpy as np
@@ -169,7 +170,7 @@ def check_timing(timing: Timing, perturbations: model.Perturbations, contract: C
 
 def check_perturbations(perturbations: model.Perturbations, refuse: Refuse) -> None:
     """Bounds in order, factors above zero, noise not negative."""
-    for name in model.Perturbations.__dataclass_fields__:
+    for name in (item.name for item in fields(perturbations)):
         bounds: model.Uniform | None = getattr(perturbations, name)
         if bounds is None:
             continue
