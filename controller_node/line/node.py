@@ -67,6 +67,8 @@ class LineNode(ControllerNode):
         self._end_margin_01mm = round(scenario.watch.end_of_authority_margin_m * 1e4)
         self._resting = ControlOutput(0, (0,) * len(made.notes), 0, 0, 0)
         self._aim = _NOT_CHOSEN
+        # Stop at which the controller of the next section was prepared.
+        self._prepared_for = -1
         self._door_life = self._ato_life = 0
         self.permitted = PermittedSpeed()
         self._heeds = scenario.atp.heed_atp
@@ -162,6 +164,10 @@ class LineNode(ControllerNode):
         else:
             if stations.crept:
                 self._creep.start()
+            if stations.state is AtoState.CLOSING and self._prepared_for != index:
+                self._prepared_for = index
+                expected_ns = stations.expected_departure_ms(self._clock.now_ns // _NS_PER_MS) * _NS_PER_MS
+                sections.prepare(index, -(-expected_ns // self._control_ns), place_01mm)
             if stations.drive is not _LAW:
                 sections.rest()
             return

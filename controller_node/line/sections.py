@@ -85,6 +85,8 @@ class SectionControllers:
         self._lead: Any = self._ready[0]
         self._driven: dict[int, Any] = {}
         self._acting: Any = None
+        # Section, curve and controller of a departure that is expected.
+        self._prepared: tuple[int, TargetCurve, Any] | None = None
         #: The law's notes.
         self.notes: Any = self._lead.notes
         self._from_k = 0
@@ -172,22 +174,39 @@ class SectionControllers:
         :param balise: the last one passed, which belongs to the section before.
         """
         line = self._scenario
+        aim, target = self._choose(index, k, place_01mm)
+        prepared, self._prepared = self._prepared, None
+        made = self._take_ready(index) if target == line.sections[index].target else None
+        if made is None and prepared is not None and prepared[:2] == (index, target):
+            made = prepared[2]
+        if made is None:
+            made = self._make(index, section_scenario(line, index, target, aim.running_time_s))
+        here = line.stops[line.sections[index].departure]
+        self._begin(index, made, k, here.position_m, place_01mm, odometer_01mm, balise)
+        return aim
+
+    def prepare(self, index: int, k: int, place_01mm: int) -> None:
+        """Make the controller of a departure that is expected, during the dwell; arguments as :meth:`depart`."""
+        line = self._scenario
+        aim, target = self._choose(index, k, place_01mm)
+        is_ready = target == line.sections[index].target and self._take_ready(index) is not None
+        if not is_ready:
+            made = self._make(index, section_scenario(line, index, target, aim.running_time_s))
+            self._prepared = index, target, made
+
+    def _choose(self, index: int, k: int, place_01mm: int) -> tuple[Aim, TargetCurve]:
+        """Running time and target curve of a departure."""
+        line = self._scenario
         section = line.sections[index]
         stop_m = line.stops[section.arrival].position_m
         profile, running_time_s, curve = choose_running_time(line, index, k * line.timing.control_period_ns / 1e9)
         plain_m = stop_m - line.stops[section.departure].position_m
         distance_m = plain_m if self.sees_place else stop_m - place_01mm / _PER_M
-        target = section.target
         try:
-            target = make_target(line, index, running_time_s, distance_m, curve)
+            return Aim(profile, running_time_s), make_target(line, index, running_time_s, distance_m, curve)
         except CurveError:
             # No curve is as fast as that: the one of the timetable, as if nothing had been lost.
-            profile, running_time_s = "timetable", section.running_time_s
-        made = self._take_ready(index) if target == section.target else None
-        if made is None:
-            made = self._make(index, section_scenario(line, index, target, running_time_s))
-        self._begin(index, made, k, line.stops[section.departure].position_m, place_01mm, odometer_01mm, balise)
-        return Aim(profile, running_time_s)
+            return Aim("timetable", section.running_time_s), section.target
 
     def resume(self, index: int, k: int, place_01mm: int, odometer_01mm: int, balise: BaliseReading[int]) -> Aim | None:
         """Begin the rest of a section from a halt between two stops; arguments as :meth:`depart`.

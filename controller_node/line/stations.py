@@ -35,6 +35,8 @@ ACCEPT_MS, JOG_MS = 1500, 20_000
 HALT_MS: Final = 2000
 #: The doors close this long before the departure, in addition to their own time: platform doors, telegrams (chosen).
 CLOSE_SPARE_MS: Final = 500
+#: Time from the end of a closing to its telegram, about.
+LOCK_TOLD_MS: Final = 150
 #: Above this speed the train has left (0.1 mm/s).
 LEFT_01MMPS: Final = 5000
 #: Difference of a time on the wire and that of the timetable that is only its resolution.
@@ -224,6 +226,10 @@ class Stations:
     def station(self) -> int:
         """DoorStation of DOOR_CMD: the stop at which the train stands, or which it leaves; 0 under way."""
         return 0 if self.is_under_way and not self.is_ready else self.here.number
+
+    def expected_departure_ms(self, now_ms: int) -> int:
+        """Departure that is expected when the doors begin to close at ``now_ms``."""
+        return max(self.due_departure_ms, now_ms + self.rules.close_ms + LOCK_TOLD_MS)
 
     @property
     def due_departure_ms(self) -> int:

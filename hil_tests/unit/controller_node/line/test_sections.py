@@ -107,6 +107,18 @@ def test_a_late_departure_is_aimed_at_the_arrival_of_the_timetable() -> None:
     assert Target(sections._acting._loop._scenario.target).stop_time_s == pytest.approx(170)
 
 
+def test_a_departure_that_was_expected_drives_with_the_controller_made_in_the_dwell() -> None:
+    sections = SectionControllers(four_stops(), LawSpec("ipfc_plus"))
+    sections.prepare(1, 2 * 170, 12_000_000)
+    prepared = sections._prepared
+    assert prepared is not None
+    sections.depart(1, 2 * 170, 12_000_000, 12_000_000, BEFORE)
+    assert sections._acting is prepared[2]
+    assert sections._prepared is None
+    sections.prepare(0, K, 0)
+    assert sections._prepared is None
+
+
 def test_a_law_without_position_is_aimed_at_the_distance_left() -> None:
     sections = made("ipfc")
     sections.depart(1, 2 * 167, 11_995_000, 12_000_000, BEFORE)
