@@ -161,6 +161,21 @@ def test_a_line_takes_the_place_of_plan_and_target_of_the_scenario_that_it_exten
     assert [section.running_time_s for section in scenario.sections] == [186.0, 108.0, 158.0]
 
 
+def test_a_leg_can_go_on_over_another_line(tmp_path: Path) -> None:
+    branch = (
+        'name = "branch"\ngrade_permil = [[-118, 0], [400, 5]]\nspeed_limit_kmh = [[-118, 60]]\n'
+        'stops = [{ name = "D", position_m = 50 }, { name = "E", position_m = 1250 }]\n'
+    )
+    (tmp_path / "branch.toml").write_text(branch)
+    leg = '[[route.leg]]\nline = "branch.toml"\nturn_back_s = 90\nrunning_time_s = [110]\nplatform = "left"\n'
+    text = (layers.DATA / "runs" / "four_stops.toml").read_text().replace(', service = "terminal"', "")
+    (tmp_path / "own.toml").write_text(f"{text}\n{leg}")
+    scenario = cast("LineScenario", load_any(tmp_path / "own.toml"))
+    assert [(stop.name, stop.position_m, stop.leg) for stop in scenario.stops[-2:]] == [("D", 3420, 0), ("E", 4620, 1)]
+    assert (scenario.stops[-2].depart_s, scenario.stops[-1].arrive_s) == (430.0, 540.0)
+    assert scenario.legs[1].grade_permil == ((3252.0, 0.0), (3770.0, 5.0))
+
+
 def test_other_times_than_those_of_the_target_files_are_generated(tmp_path: Path) -> None:
     times = [190, 108, 158, 146, 94, 121, 109, 113, 167, 157, 163, 109, 116]
     scenario = written(tmp_path, f"[route]\nrunning_time_s = {times}", base="yizhuang_out")
