@@ -12,7 +12,9 @@ export class Line {
     const { columns, places, strip } = layout, many = runs.length > 1;
     place.hidden = !places.length;
     if (!places.length) return;
-    const at = places.map((one) => one.position);
+    const at = places.map((one) => one.position), low = Math.min(...at), high = Math.max(...at);
+    // The train has room at both ends.
+    const beside = 0.01 * (high - low);
     const series = runs.flatMap((run, which) => strip.map((column, number) => ({
       label: many ? `${run.name}: ${columns[column].label}` : columns[column].label, unit: columns[column].unit,
       colour: column === layout.target ? "target" : number % 7, dash: DASHES[which % DASHES.length],
@@ -20,7 +22,7 @@ export class Line {
     const unit = columns[strip[0]].unit, empty = [[], ...series.map(() => [])];
     this.handle = railhilCharts.chart(place, {
       title: "line", unit, series, height: 290,
-      x: { label: "position", unit: columns[layout.position].unit, range: [Math.min(...at), Math.max(...at)] },
+      x: { label: "position", unit: columns[layout.position].unit, range: [low - beside, high + beside] },
       lines: places.map((one) => ({ at: one.position, name: one.name })),
     }, empty);
     this.handle.plot.over.addEventListener("click", (event) => {
