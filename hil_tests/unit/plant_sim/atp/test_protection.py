@@ -10,6 +10,7 @@ import pytest
 from railhil.plant_sim.atp import readings as codes
 from railhil.plant_sim.atp.protection import PERIOD_S, TrainProtection
 from railhil.plant_sim.atp.readings import Authority, Demands, Readings, Track, TrainData
+from railhil.systems.line.braking.limits import Braking
 from railhil.systems.line.scenario.protection import Protection
 
 TRAIN = TrainData(118.0, 80 / 3.6)
@@ -26,16 +27,16 @@ class Ride:
     ) -> None:
         self.protection = TrainProtection(replace(Protection(), **settings), TRAIN, track, start_m)
         self.authority = authority
-        self.time_s = self.odometer_m = self.speed_mps = 0.0
+        self.time_s = -PERIOD_S
+        self.odometer_m = self.speed_mps = 0.0
         self.demands = Demands()
         self.look(0.0)
 
     def look(self, speed_mps: float, /, looks: int = 1, **changed: Any) -> Demands:
         """Go on for some periods with a speed, in one step up to it."""
         for _ in range(looks):
-            if self.time_s or speed_mps:
-                self.time_s += PERIOD_S
-                self.odometer_m += 0.5 * (self.speed_mps + speed_mps) * PERIOD_S
+            self.time_s += PERIOD_S
+            self.odometer_m += 0.5 * (self.speed_mps + speed_mps) * PERIOD_S
             self.speed_mps = speed_mps
             usual: dict[str, Any] = {
                 "time_s": self.time_s,
@@ -391,3 +392,39 @@ def test_another_leg_has_its_own_limits_and_keeps_the_uncertainty() -> None:
     ride.protection.enter(slow, ride.odometer_m, 2000.0)
     ride.authority = None
     assert ride.look(0.0).traction_cut
+
+
+@pytest.mark.parametrize(("rolled_m", "is_stopped"), [(0.5, False), (0.502, True)])
+def test_rolling_away_by_half_a_metre(rolled_m: float, is_stopped: bool) -> None:
+    ride = Ride()
+    ride.look(0.0, train_held=True)
+    assert ride.look(0.0, train_held=True, odometer_m=rolled_m).emergency_brake is is_stopped
+
+
+def test_the_acceleration_of_the_last_half_second_counts_for_the_ebi() -> None:
+    """0.3 m/s2 for six looks, after a coast: the slope is that of five of them."""
+    ride = Ride(authority=NEAR)
+    ride.go_to(740.0, 17.0)
+    for _ in range(6):
+        ride.look(ride.speed_mps + 0.03)
+    brake = Protection().brake_model(9.81)
+    limits = Braking(brake, ((0.0, 0.0),), 40.0).emergency_limits(1030.0, 0.0, 0.0)
+    most_m = ride.protection.place.most_m
+    assert ride.demands.ebi_mps == pytest.approx(limits.speed_mps(most_m, 0.0, 40.0, 0.3), abs=1e-6)
+    ride.look(ride.speed_mps)
+    most_m = ride.protection.place.most_m
+    assert ride.demands.ebi_mps == pytest.approx(limits.speed_mps(most_m, 0.0, 40.0, 0.24), abs=1e-6)
+
+
+def test_without_an_authority_there_is_no_target() -> None:
+    demands = Ride(authority=None).demands
+    assert (demands.target_distance_m, demands.target_speed_mps, demands.release_mps) == (0.0, 0.0, 0.0)
+
+
+def test_a_service_brake_stays_applied_to_a_creeping_train() -> None:
+    ride = Ride()
+    ride.go_to(50.0, 2.0)
+    ride.authority = None
+    ride.look(2.0, looks=11)
+    assert ride.look(0.3).service_brake
+    assert not ride.look(0.0).service_brake
