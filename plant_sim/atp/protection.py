@@ -129,7 +129,7 @@ class TrainProtection:
         if speed_mps <= 0.0:
             supervision.indicated.clear()
         supervision.look(place, speed_mps, self._acceleration(speed_mps))
-        self._brake_for_speed(speed_mps, supervision.excess, supervision.cause)
+        self._brake_for_speed(readings, supervision.excess, supervision.cause)
         self._brake_for_others(readings)
         self._check_service_brake(readings.time_s, speed_mps)
         self._write()
@@ -141,11 +141,16 @@ class TrainProtection:
             return (speed_mps - speeds_mps[0]) / (_SLOPE_LOOKS * PERIOD_S)
         return (speed_mps - speeds_mps.pop(0)) / (_SLOPE_LOOKS * PERIOD_S)
 
-    def _brake_for_speed(self, speed_mps: float, excess: int, cause: int) -> None:
-        """Latch what ceilings, targets and release speed demand; release what is permitted again."""
+    def _brake_for_speed(self, readings: Readings, excess: int, cause: int) -> None:
+        """Latch what ceilings, targets and release speed demand; release what is permitted again.
+
+        A train that has moved with an open door is held until the doors are locked.
+        """
         if excess == NOTHING:
             self._cut_cause = codes.NONE
-        if speed_mps <= 0.0 or (excess == NOTHING and not self._is_service_until_stop):
+        is_held = self._service_cause == codes.DOORS and not readings.doors_locked
+        may_release = readings.speed_mps <= 0.0 or (excess == NOTHING and not self._is_service_until_stop)
+        if may_release and not is_held:
             self._service_cause = codes.NONE
             self._is_service_until_stop = False
         if excess >= ABOVE_WARNING:

@@ -302,6 +302,16 @@ def test_doors_that_lose_their_lock(speed_kmh: float, wanted: tuple[bool, bool, 
     assert ride.demands.cause == (codes.DOORS if speed_kmh else codes.NONE)
 
 
+def test_a_train_that_creeps_with_an_open_door_is_held_until_the_doors_are_locked() -> None:
+    """A brake that is released at each standstill would let it creep on."""
+    ride = Ride()
+    ride.look(0.0, doors_locked=False)
+    ride.look(0.1, doors_locked=False)
+    assert demanded(ride.demands) == (True, True, False)
+    assert demanded(ride.look(0.0, looks=20, doors_locked=False)) == (True, True, False)
+    assert not ride.look(0.0).service_brake
+
+
 def test_a_held_train_that_rolls_away_is_stopped() -> None:
     ride = Ride()
     ride.go_to(50.0, 2.0)

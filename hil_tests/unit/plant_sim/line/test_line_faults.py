@@ -197,6 +197,7 @@ def test_a_stuck_docking_loop_is_found_by_the_first_motion() -> None:
     assert not driver.train.docking.is_in_window
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("place", "word"), INJECTED, ids=lambda one: one if isinstance(one, str) else one.name)
 def test_every_word_has_an_effect_or_waits_for_its_occasion(place: str, word: Word) -> None:
     """None raises, whenever it begins; an effect is never before the fault."""
@@ -225,6 +226,7 @@ def station_faults(draw: st.DrawFn) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(st.lists(station_faults(), min_size=2, max_size=4), st.integers(0, 9))
 def test_no_combination_opens_a_door_in_motion_or_raises(faults: list[str], seed: int) -> None:
