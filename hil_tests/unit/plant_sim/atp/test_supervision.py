@@ -116,3 +116,10 @@ def test_exactly_at_a_limit_nothing_is_exceeded() -> None:
     seen = supervision()
     seen.look(place_at(50.0), 80 / 3.6, 0.0)
     assert seen.excess == NOTHING
+
+
+def test_a_far_supervised_location_leaves_the_end_of_authority_to_the_service_brake() -> None:
+    seen = supervision(svl_m=1500.0)
+    seen.look(place_at(800.0), 10.0, 0.0)
+    assert seen.levels.permitted_mps < 18.0
+    assert seen.levels.emergency_mps > 23.0
