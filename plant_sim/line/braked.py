@@ -95,14 +95,15 @@ class BrakedTrain(TrainOnBus):
     def _look(self, onboard: Onboard) -> None:
         """Let the train protection look; report a stronger reaction."""
         before, motion = onboard.reaction, self._motion
-        authority, locked = self.journey.authority(self.tick), self.doors.are_locked
+        authority, locked = self.journey.authority(motion.position_m, self.tick), self.doors.are_locked
         held = self.holding.is_applied
         if onboard.look(self.tick, motion.position_m, motion.speed_mps, authority, locked, held):
             self._mark("atp")
             if onboard.reaction == EMERGENCY_BRAKE:
                 self._mark("emergency")
         if onboard.reaction != before:
-            self._is_braked = held or onboard.reaction > NO_REACTION
+            # The service brake is released over some time, also when nothing demands it any more.
+            self._is_braked = held or onboard.reaction > NO_REACTION or self._protection_brake_mps2 > 0.0
 
     def _brake(self, before_n: float) -> None:
         """Add holding brake, train protection and emergency brake to the forces that watch and interlocks allow.

@@ -56,6 +56,8 @@ class Journey:
         self._exchanged_tick: int | None = None
         #: To the section's end.
         self._authority: Authority | None = None
+        #: Signals of the section that the front has passed while they were clear.
+        self._passed_clear: set[RouteSignal] = set()
 
     # -- the section --------------------------------------------------------------------------------------------------
 
@@ -81,6 +83,7 @@ class Journey:
         self.arrival = section.arrival
         self.has_arrived = self.has_opened = False
         self._exchanged_tick = self._authority = None
+        self._passed_clear.clear()
         self.departure_tick = tick
         self._extra_s = 0.0
         before, self.leg = self.leg, section.leg
@@ -219,21 +222,27 @@ class Journey:
             return self._scenario.sections[self.section + 1].leg
         return self.leg
 
-    def authority(self, tick: int) -> Authority:
-        """The authority that the track side gives: to the section's end, or to a red signal before it."""
+    def authority(self, position_m: float, tick: int) -> Authority:
+        """The authority that the track side gives: to the section's end, or to a red signal before it.
+
+        A signal that the front has passed while it was clear no longer counts; one that was passed red does.
+        """
         stop = self.stop
         if self._authority is None:
             self._authority = Authority(stop.position_m + stop.eoa_overlap_m, stop.position_m + stop.svl_overlap_m)
         if not self._scenario.signals:
             return self._authority
-        now_s = tick * self._tick_s
-        red_m = [
-            one.position_m
-            for one in self._scenario.signals
-            if one.leg == self.leg
-            and self._begin_m < one.position_m < self._authority.eoa_m
-            and self._is_red(one, now_s)
-        ]
-        if red_m:
-            return Authority(min(red_m), min(red_m) + SIGNAL_OVERLAP_M, True)
+        now_s, red_m = tick * self._tick_s, [self._authority.eoa_m]
+        for one in self._scenario.signals:
+            if one.leg != self.leg or not self._begin_m < one.position_m < self._authority.eoa_m:
+                continue
+            if one in self._passed_clear:
+                continue
+            if self._is_red(one, now_s):
+                red_m.append(one.position_m)
+            elif one.position_m < position_m:
+                self._passed_clear.add(one)
+        end_m = min(red_m)
+        if end_m < self._authority.eoa_m:
+            return Authority(end_m, end_m + SIGNAL_OVERLAP_M, True)
         return self._authority

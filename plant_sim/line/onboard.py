@@ -74,8 +74,13 @@ class Onboard:
         self._passed.append((balise.number, self.sensors.odometer_between_mm(balise.true_m) / 1000))
 
     def enter(self, leg: int, position_m: float) -> None:
-        """Another leg begins, at standstill."""
-        self._protection.enter(self._legs[leg], self._odometer_m(position_m), position_m)
+        """Another leg begins, at standstill. Run positions go on, so the protection keeps the place that it knows.
+
+        :param position_m: true position, for its sensors.
+        """
+        place, odometer_m = self._protection.place, self._odometer_m(position_m)
+        place.update(odometer_m)
+        self._protection.enter(self._legs[leg], odometer_m, 0.5 * (place.least_m + place.most_m))
         self._own = deque(one for one in self._own_of_legs[leg] if one.true_m > position_m)
 
     def look(

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
-from hil_tests.support.lines import Driver, four_stops
+from hil_tests.support.lines import LIMITS, STOPS, Driver, four_stops, make_leg
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE
 from railhil.plant_sim.atp.readings import Authority
 from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION
 from railhil.plant_sim.line.train import LineTrain
+from railhil.systems.line.judge.invariants import ROLL_MAX_M
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
 from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus, DoorStat
 
@@ -150,8 +152,36 @@ def test_a_red_signal_in_the_section_ends_the_authority_of_a_train_that_passes_i
     driver = begun(four_stops(signals=(RouteSignal(900.0, 400.0),)))
     journey = driver.train.journey
     journey.depart(driver.train.tick)
-    assert journey.authority(1000) == Authority(900.0, 920.0, True)
-    assert journey.authority(40_000) == Authority(1210.0, 1230.0)
+    assert journey.authority(0.0, 1000) == Authority(900.0, 920.0, True)
+    assert journey.authority(950.0, 39_999) == Authority(900.0, 920.0, True)
+    assert journey.authority(0.0, 40_000) == Authority(1210.0, 1230.0)
+
+
+def test_a_signal_that_falls_red_behind_the_train_does_not_stop_it() -> None:
+    driver = begun(four_stops(signals=(RouteSignal(300.0, 1.0),)))
+    driver.run(lambda: driver.train.position_01mm > 4_000_000)
+    driver.train.journey.held_red.add(1)
+    driver.run(lambda: "doors_open" in driver.kinds())
+    assert "atp" not in driver.kinds()
+
+
+def test_the_service_brake_of_the_protection_is_released_over_some_time() -> None:
+    driver = begun(four_stops(signals=(RouteSignal(700.0, 1.0),)))
+    train, onboard = driver.train, driver.train.onboard
+    assert onboard is not None
+    frozen(driver, 0.0)
+    driver.notch = lambda: 7.0 if train.position_01mm < 3_000_000 else 0.0  # type: ignore[method-assign]
+    driver.run(lambda: train.position_01mm > 3_000_000)
+    train.journey.held_red.add(1)
+    driver.run(lambda: train._window.brake_min_n > 200_000)
+    train.journey.held_red.clear()
+    driver.run(lambda: onboard.reaction == NO_REACTION)
+    braked_n = [train._window.brake_min_n]
+    while braked_n[-1] > 0.0:
+        driver.tick()
+        braked_n.append(train._window.brake_min_n)
+    assert 0.5 < len(braked_n) * 0.01 < 3.0
+    assert max(one - other for one, other in pairwise(braked_n)) < 0.05 * braked_n[0]
 
 
 def test_the_permitted_speed_is_told_to_the_driver() -> None:
@@ -161,3 +191,17 @@ def test_the_permitted_speed_is_told_to_the_driver() -> None:
     assert isinstance(found, AtpLim)
     assert found.status == AtpStatus.NORMAL
     assert 15.0 < found.permitted_4mmps / 250 <= 80 / 3.6 + 0.004
+
+
+@pytest.mark.parametrize("grade_permil", [-24.0, -40.0])
+def test_a_train_that_its_protection_catches_rolls_no_further_than_the_judge_allows(grade_permil: float) -> None:
+    line = four_stops(legs=(make_leg(0, STOPS, ((-118.0, grade_permil), (300.0, 0.0)), LIMITS),))
+    driver = begun(line)
+    frozen(driver, 0.0)
+    driver.orders = lambda: {"hold_brake": FLAG_TRUE, "station": 1}  # type: ignore[method-assign]
+    train = driver.train
+    train.holding.share = 0.0
+    driver.run(lambda: "emergency" in driver.kinds())
+    driver.run(standing(driver))
+    assert told(driver).cause == AtpCause.ROLL_AWAY
+    assert 0.5 < train.position_01mm / 1e4 < ROLL_MAX_M

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from hil_tests.support.lines import Driver, out_and_back
 from railhil.bus.codes import Event
 from railhil.plant_sim.line.onboard import NO_REACTION
@@ -54,6 +56,19 @@ def test_the_protection_of_the_next_leg_expects_its_balises() -> None:
     assert onboard.reaction == NO_REACTION
     # Just behind the last balise of the leg.
     assert onboard.demands.uncertainty_m < 0.6
+
+
+def test_the_protection_learns_nothing_of_the_true_place_at_the_turn_back() -> None:
+    driver = begun()
+    driver.run(lambda: driver.train.station_here == 1)
+    onboard = driver.train.onboard
+    assert onboard is not None
+    place = onboard._protection.place
+    place.refer(place.estimated_m + 3.0, onboard._odometer_m(driver.train.position_01mm / 1e4), 4.0)
+    width_m, estimated_m = place.most_m - place.least_m, 0.5 * (place.most_m + place.least_m)
+    onboard.enter(1, driver.train.position_01mm / 1e4)
+    assert place.most_m - place.least_m == pytest.approx(width_m)
+    assert place.estimated_m == pytest.approx(estimated_m, abs=0.02)
 
 
 def test_the_mass_changes_at_stops_only() -> None:
