@@ -80,7 +80,7 @@ def main(words: Sequence[str] | None = None) -> int:
 def _work(namespace: argparse.Namespace) -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     system = scenario.installed_system
-    system.refuse_whole_runs("audit", scenario.name)
+    system.refuse_whole_runs("audit", namespace.scenario)
     law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
     # An unknown law is refused here, before anything else is printed.
     find(law.controller, system.laws)

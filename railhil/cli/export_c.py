@@ -108,7 +108,7 @@ def main() -> int:
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     system = scenario.installed_system
-    system.refuse_whole_runs("export-c", scenario.name)
+    system.refuse_whole_runs("export-c", namespace.scenario)
     law = LawSpec(namespace.law, _arithmetic(namespace, system), indexing=namespace.indexing, parameters=parameters)
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
     # A law that may wrap is refused here, and must not run on a chip either.

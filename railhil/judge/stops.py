@@ -118,9 +118,11 @@ class ScoredStop:
     def _late(self) -> str:
         most_s, late_s = self.planned.late_max_s, self.late_s
         if not self.excused_s or most_s is None or late_s is None or late_s < 0.0:
-            return _beyond(late_s, most_s, "s")
-        allowed_s = most_s + self.excused_s
-        return _later(late_s, allowed_s) if late_s > allowed_s else ""
+            found = _beyond(late_s, most_s, "s")
+        else:
+            allowed_s = most_s + self.excused_s
+            found = _later(late_s, allowed_s) if late_s > allowed_s else ""
+        return f"arrival {found}" if found else ""
 
     @property
     def missed(self) -> str:

@@ -211,7 +211,7 @@ class System:
     def refuse_whole_runs(self, command: str, scenario: str) -> None:
         """Refuse a scenario of which the command takes only a section.
 
-        :param scenario: its name.
+        :param scenario: its name or file, as the command was given it.
         :raises InputError: it is one.
         """
         if command in self.by_section:

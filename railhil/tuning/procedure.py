@@ -32,8 +32,9 @@ _SAME = 1e-9
 
 
 def _scenario(request: Request, otherwise: str = "") -> AnyScenario:
-    scenario = load_any(request.scenario or otherwise or DEFAULT_SCENARIO, request.set)
-    scenario.installed_system.refuse_whole_runs("tune", scenario.name)
+    named = request.scenario or otherwise or DEFAULT_SCENARIO
+    scenario = load_any(named, request.set)
+    scenario.installed_system.refuse_whole_runs("tune", named)
     require_perturbations(scenario, "tune")
     return scenario
 

@@ -86,7 +86,7 @@ def test_two_stops_of_one_run_are_scored_each_and_the_verdict_names_the_one_that
 def test_a_stop_that_was_never_made_and_one_that_is_late_are_named() -> None:
     stops = scored_stops(_TWO, standstills_of([(99.0, 999.5)]))
     assert missed_stops(stops) == [
-        "stop Xiaocun: -0.500 m (allowed +-0.3 m), +9.000 s (allowed +-5 s)",
+        "stop Xiaocun: -0.500 m (allowed +-0.3 m), arrival +9.000 s (allowed +-5 s)",
         "stop Xiaohongmen: not stopped",
     ]
     assert scored_stops(_TWO, ())[0].as_json()["instant_s"] is None

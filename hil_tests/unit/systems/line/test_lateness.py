@@ -89,7 +89,12 @@ def test_an_arrival_is_never_excused_for_more_than_the_departure_was_late(
 
 @pytest.mark.parametrize(
     ("late_s", "missed"),
-    [(18.0, ""), (18.001, "+18.001 s (allowed at most +18.000 s)"), (-5.0, ""), (-5.5, "-5.500 s (allowed +-5 s)")],
+    [
+        (18.0, ""),
+        (18.001, "arrival +18.001 s (allowed at most +18.000 s)"),
+        (-5.0, ""),
+        (-5.5, "arrival -5.500 s (allowed +-5 s)"),
+    ],
 )
 def test_an_excused_arrival_has_a_later_limit(late_s: float, missed: str) -> None:
     planned = PlannedStop("4 D", 3420.0, 0.3, 340.0, 5.0)

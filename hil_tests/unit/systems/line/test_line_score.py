@@ -69,6 +69,12 @@ def test_a_run_in_order_passes_and_has_the_figures_of_each_stop() -> None:
     assert found.values["punctuality_percent"] == 100.0
 
 
+def test_without_a_train_protection_nothing_is_said_of_how_near_it_was() -> None:
+    section = stop_of(judged(replace(LINE, atp=replace(LINE.atp, enabled=False))), 1).section
+    assert section is not None
+    assert (section.nearest_m, section.level) == (None, "off")
+
+
 def test_the_score_is_written_with_every_stop() -> None:
     stops = judged().as_json()["stops"]
     assert isinstance(stops, list)
@@ -82,12 +88,12 @@ def test_the_score_is_written_with_every_stop() -> None:
     ("line", "failures"),
     [
         (with_stop(1, stop_error_max_m=0.2), ["stop 2 B: +0.220 m (allowed +-0.2 m)"]),
-        (with_stop(1, arrive_s=118.0), ["stop 2 B: +5.291 s (allowed +-5 s)"]),
-        (with_stop(1, arrive_s=129.0), ["stop 2 B: -5.709 s (allowed +-5 s)"]),
-        (with_stop(3, arrive_s=440.0), ["stop 4 D: +8.277 s (allowed +-5 s)"]),
+        (with_stop(1, arrive_s=118.0), ["stop 2 B: arrival +5.291 s (allowed +-5 s)"]),
+        (with_stop(1, arrive_s=129.0), ["stop 2 B: arrival -5.709 s (allowed +-5 s)"]),
+        (with_stop(3, arrive_s=440.0), ["stop 4 D: arrival +8.277 s (allowed +-5 s)"]),
         (
             with_stop(1, stop_error_max_m=0.1, arrive_s=118.0),
-            ["stop 2 B: +0.220 m (allowed +-0.1 m)", "stop 2 B: +5.291 s (allowed +-5 s)"],
+            ["stop 2 B: +0.220 m (allowed +-0.1 m)", "stop 2 B: arrival +5.291 s (allowed +-5 s)"],
         ),
     ],
 )

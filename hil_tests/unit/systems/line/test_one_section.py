@@ -8,6 +8,7 @@ import pytest
 
 from hil_tests.support.cli import complaint, railhil
 from railhil.common.errors import InputError
+from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load, load_any
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -55,6 +56,12 @@ def test_a_command_that_takes_a_section_only_names_it(words: list[str], tmp_path
     message = complaint(railhil(*words, cwd=tmp_path))
     assert "one of its sections" in message
     assert "railhil run four_stops --section 1 runs it" in message
+
+
+def test_the_command_that_is_named_instead_takes_the_file_that_was_given(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text((DATA / "runs" / "four_stops.toml").read_text())
+    message = complaint(railhil("audit", "mine.toml", cwd=tmp_path))
+    assert "railhil run mine.toml --section 1 runs it" in message
 
 
 def test_the_option_names_the_section_in_the_list_of_scenarios() -> None:

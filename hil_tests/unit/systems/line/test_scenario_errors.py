@@ -97,6 +97,14 @@ CHANGES: dict[str, tuple[dict[str, str], str]] = {
         {"enabled = true ": "enabled = true\neoa_overlap_m = 40 "},
         "atp.eoa_overlap_m: found 40, allowed at most svl_overlap_m = 30",
     ),
+    "balises of the protection on top of each other": (
+        {"enabled = true ": "enabled = true\nbalise_spacing_m = 0.001 "},
+        "atp.balise_spacing_m: found 0.001, allowed 0 (none) or at least 10",
+    ),
+    "heeding a protection that there is not": (
+        {"enabled = true ": "enabled = false\nheed_atp = true "},
+        "atp.heed_atp: found true, allowed false with enabled = false: no protection permits a speed",
+    ),
     "overlaps of one stop": (
         {"arrive_s = 340": "arrive_s = 340, svl_overlap_m = 5"},
         "route.stops[3].eoa_overlap_m: found 10, allowed at most svl_overlap_m = 5",

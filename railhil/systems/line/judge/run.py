@@ -181,6 +181,7 @@ class LineRun:
         from_s, until_s = left.instant_s, visit.arrived.instant_s
         chosen_s = self._chosen_s(index, from_s, until_s)
         run, has_target = self._journey(index, section, from_s, until_s, chosen_s)
+        protection = self.protection if self.scenario.atp.enabled else None
         return SectionFigures(
             number=index + 1,
             planned_s=section.running_time_s,
@@ -190,8 +191,8 @@ class LineRun:
             regenerated_kj=electric_work_kj(self.scenario, run.time_s, run.speed_mps, run.brake_n),
             comfort_mps2_per_km=journey.comfort_mps2_per_km(run),
             itae_kmh_s2=journey.itae_kmh_s2(run) if has_target else None,
-            nearest_m=self.protection.nearest_m(self.motion, from_s, until_s),
-            level=self.protection.level(from_s, until_s),
+            nearest_m=protection and protection.nearest_m(self.motion, from_s, until_s),
+            level=protection.level(from_s, until_s) if protection else "off",
         )
 
     def _chosen_s(self, index: int, from_s: float, until_s: float) -> float | None:

@@ -20,7 +20,8 @@ class SectionFigures:
     controller (None: it told none) and of the train. ``traction_kj``: work at the wheel, ``regenerated_kj``: estimate
     (:mod:`railhil.systems.ato.energy.record`). ``comfort_mps2_per_km``: eq. (6), ``itae_kmh_s2``: eq. (4)
     against the curve for the running time that was chosen; None: no curve has that time. ``nearest_m``: distance to the
-    place where the permitted speed is down to the train's. ``level``: strongest level of the train protection.
+    place where the permitted speed is down to the train's. ``level``: strongest level of the train protection, "off"
+    without one.
     """
 
     number: int

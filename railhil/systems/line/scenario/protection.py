@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from railhil.common.errors import short_number
+from railhil.common.errors import Finding, short_number
 from railhil.scenarios.profiles import Profile
 from railhil.scenarios.schema import NotNegative, Pairs, Positive, Table
 from railhil.scenarios.validation import Refuse
@@ -28,6 +28,8 @@ ProfileName = Literal["metro", "subset026"]
 _KMH = 3.6
 #: Numbers of the protection's own balises.
 _OWN_NUMBERS = range(201, 256)
+#: Least distance between them (chosen): as between the balises of a shipped line.
+_LEAST_SPACING_M = 10.0
 _EMERGENCY_MPS2, _K_DRY, _K_WET, _SERVICE_MPS2 = map(constant, (1.2, 0.85, 0.9, 0.9))
 
 
@@ -194,6 +196,11 @@ def check_protection(protection: Protection, refuse: Refuse) -> None:
     :raises InputError: with the key and what is allowed.
     """
     check_overlaps(protection.eoa_overlap_m, protection.svl_overlap_m, ("atp", "eoa_overlap_m"), refuse)
+    if protection.heed_atp and not protection.enabled:
+        raise refuse(("atp", "heed_atp"), Finding("true"), "false with enabled = false: no protection permits a speed")
+    if 0.0 < protection.balise_spacing_m < _LEAST_SPACING_M:
+        allowed = f"0 (none) or at least {_LEAST_SPACING_M:g}"
+        raise refuse(("atp", "balise_spacing_m"), short_number(protection.balise_spacing_m), allowed)
     for key in AtpTable.STEPS:
         rows: Profile = getattr(protection, key)
         if rows[0][0] != 0.0:
