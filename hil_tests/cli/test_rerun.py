@@ -138,3 +138,32 @@ def test_a_bus_is_asked_for_by_its_options(here: Railhil, short: Path, tmp_path:
     assert "-i socketcan" in said
     assert "virtual" in complaint(here("rerun", short, "-i", "virtual"))
     assert "does not exist" in complaint(here("rerun", tmp_path / "nothing"))
+
+
+TWO_STOPS_TOML = """
+extends = "four_stops"
+system = "line"
+name = "two_stops"
+title = "Two stops, 100 m"
+
+[line]
+grade_permil = [[-118, 0]]
+speed_limit_kmh = [[-118, 60]]
+
+[route]
+running_time_reserve_percent = 6
+hold = { probability = 0, extra_s = [0, 0] }
+stops = [
+    { name = "A", position_m = 0, platform = "left", depart_s = 3 },
+    { name = "B", position_m = 100, platform = "left", service = "terminal" },
+]
+"""
+
+
+@pytest.mark.slow
+def test_a_run_with_faults_at_planned_instants_is_scored_and_repeated(here: Railhil, tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(TWO_STOPS_TOML)
+    faults = ["TRN_SPEED loss 20% @section 1 5s for 2s", "dwell hold 5s @stop 2"]
+    run = library.run(tmp_path / "two.toml", faults=faults, out=tmp_path / "run").folder
+    assert here("score", run).exit_code in (0, 1)
+    assert here("rerun", run).exit_code == 0

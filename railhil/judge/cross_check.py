@@ -23,6 +23,7 @@ from railhil.record.hash_list import check_hash_list
 from railhil.record.target import read_target
 from railhil.record.trace import Trace
 from railhil.scenarios.given import TARGET
+from railhil.scenarios.layers import faults_of_rows
 from railhil.scenarios.model import AnyScenario, list_injected_faults
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import DEFAULT, system_named
@@ -157,8 +158,10 @@ def _check_described(path: Path, document: Mapping[str, Any], spec: RunSpec, sce
     if wanted is not None and wanted != scenario.sha256:
         raise InputError(path, "scenario_sha256", wanted, f"{scenario.sha256}, {allowed}")
     was = list_injected_faults(scenario.faults)
-    for text, fault in zip(spec.faults, list_injected_faults(spec.faults), strict=True):
-        if fault not in was:
+    for text in spec.faults:
+        # As when the scenario was read: a fault at a planned instant begins at its time.
+        planned = faults_of_rows([text], scenario.installed_system, lambda _: path, scenario.marks)
+        if list_injected_faults(planned)[0] not in was:
             raise InputError(path, "faults", text, f"a fault of the scenario with the hash {allowed}")
     try:
         derived = spec.load().sha256

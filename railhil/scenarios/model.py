@@ -101,6 +101,10 @@ class AnyScenario(Protocol):
         """The faults, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers."""
 
     @property
+    def marks(self) -> Mapping[str, Sequence[float | None]]:
+        """Planned instants at which faults may begin (:data:`railhil.scenarios.fault_list.Marks`)."""
+
+    @property
     def planned_s(self) -> float:
         """Planned duration of the run, in s."""
 

@@ -6,7 +6,7 @@ A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from importlib import import_module
 from importlib.resources import files
@@ -283,6 +283,11 @@ class OfSystem:
         :raises InputError: it is not installed, or not usable.
         """
         return system_named(self.system)
+
+    @property
+    def marks(self) -> Mapping[str, Sequence[float | None]]:
+        """Planned instants at which faults may begin (:data:`railhil.scenarios.fault_list.Marks`)."""
+        return {}
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from railhil.systems.ato.scenario.kind import TrainScenarios, scenario_of
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.keys import MEANING, USUAL
-from railhil.systems.line.scenario.model import LineScenario, StationStop
+from railhil.systems.line.scenario.model import LineScenario, StationStop, find_marks
 
 
 class LineScenarios(TrainScenarios):
@@ -42,8 +42,6 @@ class LineScenarios(TrainScenarios):
         def faults_of(stops: Sequence[StationStop]) -> tuple[str, ...]:
             if not rows or number is not None:
                 return ()
-            from railhil.systems.line.scenario.marks import find_marks
-
             return faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row), find_marks(stops))
 
         line = read_line_scenario(layers, self._system.contract, faults_of)

@@ -7,6 +7,7 @@ Times of the timetable are seconds from the start of the run.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -160,3 +161,20 @@ class LineScenario(Scenario):
         """Whether dwell times are drawn in nominal runs, too."""
         disturbed, hold = self.route.dwell_disturbance_s, self.route.hold
         return disturbed.high > 0.0 or hold.probability > 0.0
+
+    @property
+    def marks(self) -> Mapping[str, Sequence[float | None]]:
+        """Arrival at each stop, and departure into each section, in s; numbers count from 1.
+
+        The run begins at the first stop. A stop that the train passes has no time.
+        """
+        return find_marks(self.stops)
+
+
+def find_marks(stops: Sequence[StationStop]) -> Mapping[str, Sequence[float | None]]:
+    """Planned instants of a line, at which faults may begin: ``@stop 3``, ``@section 5 40s``; see
+    :attr:`LineScenario.marks`."""
+    return {
+        "stop": (0.0, *(stop.arrive_s for stop in stops[1:])),
+        "section": tuple(stop.depart_s for stop in stops if stop.depart_s is not None),
+    }
