@@ -282,6 +282,12 @@ def test_a_name_with_another_meaning_is_refused(name: str, tmp_path: Path) -> No
     assert (done.exit_code, name in done.one_line(), list(tmp_path.iterdir())) == (2, True, [])
 
 
+def test_a_system_that_exports_no_c_is_refused_with_what_works(tmp_path: Path) -> None:
+    done = railhil("new", "c-controller", "mine", "--scenario", "four_stops", cwd=tmp_path)
+    said = "found 'four_stops', allowed one of a system whose laws are exported as C, not of line; or with --python"
+    assert (done.exit_code, said in done.one_line(), list(tmp_path.iterdir())) == (2, True, [])
+
+
 @pytest.mark.parametrize(
     ("scenario", "body"),
     [

@@ -28,6 +28,7 @@ def test_stops_at_the_board(bench, seed):
     run = bench.run(seed=seed, perturbed=True)
     assert run.passed, run.reasons
     assert abs(run.score.stop_error_m) <= 2.0
+    assert [stop.error_m for stop in run.stops] == [run.score.stop_error_m]
     assert run.spec.law.controller == "ipfc_plus"
 
 @pytest.mark.requirement("ATO-13")

@@ -53,7 +53,7 @@ def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
             cells = []
             for key in QUANTILES:
                 value = score[key]["value"]
-                cells.append(criterion.without if value == "inf" else _number(value, digits))
+                cells.append(criterion.without if value in ("inf", "-inf") else _number(value, digits))
                 cells.append(_interval(score[key]["interval"], digits))
             made.add_row("" if i else label, criterion.title, score["unit"], *cells)
     return made

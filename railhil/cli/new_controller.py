@@ -45,6 +45,10 @@ def controller_files(name: str, scenario_text: str, *, fmu: bool = False) -> dic
     if name in (PREFIX, *_HEADERS.split()) or name.startswith("railhil"):
         raise InputError("command line", "NAME", name, f"no header of C, not {PREFIX}, not railhil...")
     scenario = load_any(scenario_text)
+    system = scenario.installed_system
+    if system.export is None and system.interface is None:
+        allowed = f"one of a system whose laws are exported as C, not of {system.name}; or with --python"
+        raise InputError("command line", "--scenario", scenario_text, allowed)
     with TemporaryDirectory() as draft:
         table = {"name": name, "system": scenario.system}
         Path(draft, TABLE).write_text(_text(TABLE).substitute(table), encoding="utf-8")

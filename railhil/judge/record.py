@@ -20,6 +20,7 @@ from railhil.judge.judging import Judging, judging_of
 from railhil.judge.reactions.expected import with_expectations
 from railhil.judge.score import Score
 from railhil.judge.signals import Signals, signal_table, signal_units
+from railhil.judge.stops import ScoredStop
 from railhil.record.documents import CERTIFICATE, read_certificate, read_score
 from railhil.record.framelog import log_sha256, read_log
 from railhil.record.hash_list import HASH_LIST
@@ -161,6 +162,11 @@ class Record:
         """Time (s) and stop error (m) with their signs; None where the run has none."""
         document: dict[str, Any] = self.score.as_json()
         return dict(document["signed"])
+
+    @property
+    def stops(self) -> tuple[ScoredStop, ...]:
+        """The stops that the scenario plans, in their order, each with what the run made of it."""
+        return self.score.stops
 
     @property
     def notes(self) -> tuple[str, ...]:

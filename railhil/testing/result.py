@@ -14,6 +14,7 @@ from typing import Any
 from railhil.common.digits import rounded
 from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.events.event import LEVEL, LOST, REFUSED, RecordedEvent
+from railhil.judge.stops import ScoredStop
 from railhil.library import Outcome, Signals
 from railhil.scenarios.run_spec import RunSpec
 
@@ -189,6 +190,11 @@ class Run:
     def scores(self) -> Mapping[str, float | None]:
         """Scores by name, without sign; None where the run has none."""
         return self.outcome.scores
+
+    @property
+    def stops(self) -> tuple[ScoredStop, ...]:
+        """The planned stops with what the run made of each: ``planned.name``, ``error_m``, ``late_s``, ``verdict``."""
+        return self.outcome.stops
 
     @property
     def events(self) -> tuple[RecordedEvent, ...]:

@@ -123,3 +123,9 @@ def test_a_run_that_says_nothing_about_the_law_is_no_failure(tmp_path: Any, caps
     assert "invalid" not in next(iter(found["laws"].values()))
     show(Output(), found, tmp_path, plan.judging)
     assert "INVALID" not in capsys.readouterr().out
+
+
+def test_a_score_of_which_more_is_better_and_that_no_run_has_is_said_in_words() -> None:
+    plan = make_plan(Request("four_stops", ("perturbations.mass_factor=[1, 1]",), runs=4))
+    found = summary(plan, made(plan, {"recovered_s": [np.nan] * 4}, [()] * 4))
+    assert "no value" in printed(_scores(found, plan.criteria))

@@ -75,6 +75,13 @@ def test_without_a_train_protection_nothing_is_said_of_how_near_it_was() -> None
     assert (section.nearest_m, section.level) == (None, "off")
 
 
+def test_energy_that_comes_back_is_no_score_of_a_train_without_an_electric_brake() -> None:
+    without = replace(LINE, train=replace(LINE.train, electric_brake=None))
+    returned = next(criterion for criterion in JUDGING.criteria if criterion.key == "regenerated_kj")
+    assert (returned.applies(LINE), returned.applies(without)) == (True, False)
+    assert judged(without).values["regenerated_kj"] is None
+
+
 def test_the_score_is_written_with_every_stop() -> None:
     stops = judged().as_json()["stops"]
     assert isinstance(stops, list)

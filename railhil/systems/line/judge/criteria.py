@@ -108,6 +108,14 @@ CRITERIA = (
     Criterion("punctuality_percent", "on time", "%", 1, punctuality_percent, better="high"),
     OWN_DELAY,
     Criterion("energy_kj", "energy", "kJ", 0, lambda run: journey.energy_kj(run.whole)),
-    Criterion("regenerated_kj", "returned", "kJ", 0, returned_kj, better="high"),
+    Criterion(
+        "regenerated_kj",
+        "returned",
+        "kJ",
+        0,
+        returned_kj,
+        better="high",
+        applies=lambda scenario: scenario.train.electric_brake is not None,
+    ),
     Criterion("comfort", "comfort", "m/s2/km", 3, lambda run: journey.comfort_mps2_per_km(run.whole)),
 )
