@@ -208,3 +208,12 @@ def test_a_door_telegram_that_stands_alone_is_not_believed() -> None:
     told[place] = told[place]._replace(data=_made(DoorStat, told[place].data, {"right_state": 2}))
     (said,) = judged(told).failures
     assert said.startswith("record: one DOOR_STAT alone says right doors open in motion at 20.")
+
+
+@pytest.mark.parametrize("name", ["in order", "side"])
+def test_doors_that_were_open_while_nothing_shows_their_side_are_not_judged(name: str) -> None:
+    begun_ns, until_ns = 47_000_000_000, 79_000_000_000
+    silent = [one for one in TOLD if one.port != DoorStat.PORT or not begun_ns < one.time_ns < until_ns]
+    found = judged(silent, MISSED[name])
+    assert found.verdict == "INVALID"
+    assert f"no {DoorStat.PORT} within 1 s" in found.failures[0]

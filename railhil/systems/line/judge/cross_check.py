@@ -11,8 +11,9 @@ from itertools import pairwise
 import numpy as np
 
 from railhil.bus.acceptance import life_of
-from railhil.bus.layout import Telegram
+from railhil.bus.layout import FLAG_TRUE, Telegram
 from railhil.bus.schedule import Schedule
+from railhil.faults.truth import HOLE_MAX_S
 from railhil.judge.record_checks import STAMP_ERROR_MAX_S, UNCLEAR, hole
 from railhil.record.trace import Trace
 from railhil.systems.ato.judge.score import standstill_denied
@@ -32,6 +33,7 @@ def contradiction(run: LineRun) -> str:
     """The first contradiction, as a reason; empty if there is none."""
     return (
         next(filter(None, (hole(run.trace, *ports) for ports in TOGETHER)), "")
+        or (DoorStat.PORT not in run.forged and _unseen_doors(run.trace))
         or next(filter(None, (_two_sources(run, telegram) for telegram in DECIDING)), "")
         or run.motion.jump()
         or _arrivals(run)
@@ -40,6 +42,20 @@ def contradiction(run: LineRun) -> str:
         or run.protection.unlike(run.course)
         or ""
     )
+
+
+def _unseen_doors(trace: Trace) -> str:
+    """A time without DOOR_STAT in which PLT_STAT shows doors that are not locked, as a reason; empty if there is none.
+
+    Without DOOR_STAT nobody knows on which side they were open.
+    """
+    shown_s = np.concatenate([[-np.inf], trace.times_s(DoorStat.PORT), [np.inf]])
+    open_s = trace.times_s(PltStat.PORT)[trace.raw(PltStat.PORT, "DoorsClosedLocked") != FLAG_TRUE]
+    after = np.searchsorted(shown_s, open_s)
+    unseen_s = open_s[np.minimum(open_s - shown_s[after - 1], shown_s[after] - open_s) > HOLE_MAX_S]
+    if not len(unseen_s):
+        return ""
+    return f"{UNCLEAR}doors not locked at {unseen_s[0]:.2f} s, but no {DoorStat.PORT} within {HOLE_MAX_S:g} s of it"
 
 
 def _two_sources(run: LineRun, telegram: type[Telegram]) -> str:
