@@ -27,7 +27,15 @@ SIGNAL, NOTE, LEVEL, STATE = "signal", "note", "level", "state"
 ERROR = "tracking_error"
 _SPEED, _ERROR, _LAW, _LEVELS = "speed", "tracking error", "law", "reactions"
 #: Title of the chart of a unit; other charts have the unit as title.
-_TITLES = {"km/h": _SPEED, "notch": "command", "m/s²": "acceleration", "kN": "force", "m": "position", "‰": "grade"}
+_TITLES = {
+    "km/h": _SPEED,
+    "notch": "command",
+    "m/s²": "acceleration",
+    "kN": "force",
+    "m": "position",
+    "‰": "grade",
+    "s": "duration",
+}
 #: Order of the charts; the command's chart comes after the second, others follow.
 _ORDER = (_SPEED, _ERROR, "acceleration", "force", _LAW)
 

@@ -90,7 +90,7 @@ def has_unusual(events: Sequence[RecordedEvent]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class EventRow:
-    """Events of a run that differ only in their instants: the first and the last, their number, and their kind."""
+    """Events of a run that differ only in instant and place: the first and the last, their number, and their kind."""
 
     label: str
     first_s: float
@@ -102,8 +102,16 @@ class EventRow:
     is_fault: bool = False
 
 
+def _places(places_m: Sequence[float]) -> str:
+    """The place of the first event of a row, and of the last where it is another one; empty without any."""
+    if not places_m:
+        return ""
+    first, last = (f"{place_m:.4f} m" for place_m in (places_m[0], places_m[-1]))
+    return f"at {first}" if first == last else f"from {first} to {last}"
+
+
 def event_rows(label: str, events: Sequence[RecordedEvent]) -> list[EventRow]:
-    """The table of events: those that differ only in their instants are one row, at the place of the first."""
+    """The table of events: those that differ only in instant and place are one row, in the order of the first."""
     alike: dict[tuple[str, str, str, str, str], list[RecordedEvent]] = {}
     for event in events:
         alike.setdefault((event.source, event.kind, event.level, event.cause, event.detail), []).append(event)
@@ -111,7 +119,7 @@ def event_rows(label: str, events: Sequence[RecordedEvent]) -> list[EventRow]:
     for (source, kind, level, cause, detail), own in alike.items():
         what = level_shown(level) if kind == LEVEL else kind.replace("_", " ")
         why = detail or cause.replace("_", " ")
-        place = next((f"at {event.position_m:.4f} m" for event in own if event.position_m is not None), "")
+        place = _places([event.position_m for event in own if event.position_m is not None])
         until_s = max(event.time_s + event.lasted_s for event in own)
         count = sum(event.count for event in own)
         said = f"{why} {place}".strip()
