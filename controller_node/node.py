@@ -31,7 +31,7 @@ class LawNode:
     computes: ClassVar[type[Any]]
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, law_type: type[Any], controller: Any) -> None:
-        self.controller: Any = controller or self.computes(scenario, law)
+        self.controller: Any = controller or type(self).computes(scenario, law)
         #: Ends what computes for it outside of this process; None: nothing does.
         self.ends: Callable[[], None] | None = None
         self.law = law

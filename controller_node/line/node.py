@@ -14,8 +14,9 @@ from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.line.heed import PermittedSpeed
 from railhil.controller_node.line.jog import STEP_MS, Creep, CreepLimits
 from railhil.controller_node.line.place import Place
+from railhil.controller_node.line.rules import StationRules
 from railhil.controller_node.line.sections import Aim, SectionControllers
-from railhil.controller_node.line.stations import Drive, Situation, StationRules, Stations
+from railhil.controller_node.line.stations import Drive, Situation, Stations
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.ato import WatchLevel

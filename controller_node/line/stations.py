@@ -9,7 +9,7 @@
 
 Doors are ordered only if the train stands, its own estimate and the docking loop say that it is inside the window, and
 the track side names this stop and the side that the timetable has. With STN_INFO or DOOR_STAT older than
-:data:`AGE_MAX_MS` nothing is ordered at a stop; in motion they do not matter.
+``AGE_MAX_MS`` (:mod:`.station_telegrams`) nothing is ordered at a stop; in motion they do not matter.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Final, NamedTuple
 
-from railhil.bus.layout import CHECK_CORRECT, FLAG_TRUE
-from railhil.bus.lifesign import LifeSign
-from railhil.systems.line.scenario.model import LineScenario
-from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorStat, DoorState, SignalAspect, StnInfo
+from railhil.bus.layout import FLAG_TRUE
+from railhil.controller_node.line.rules import ServedStop, StationRules
+from railhil.controller_node.line.station_telegrams import AGE_MAX_MS, StationTelegrams
+from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorState, SignalAspect
 
-#: Age above which STN_INFO and DOOR_STAT are lost.
-AGE_MAX_MS: Final = 1000
 #: Time at speed 0 after which the train stands, and after which the holding brake is applied.
 STANDING_MS, HOLDING_MS = 200, 300
 #: Time for which the train waits for the docking loop before it jogs, and at a stop that it cannot serve.
@@ -42,7 +40,6 @@ LEFT_01MMPS: Final = 5000
 #: Difference of a time on the wire and that of the timetable that is only its resolution.
 _RESOLUTION_MS: Final = 50
 
-_SIDES: Final = {"none": DoorSide.NONE, "left": DoorSide.LEFT, "right": DoorSide.RIGHT, "both": DoorSide.BOTH}
 _OPEN_ORDERS: Final = {
     DoorSide.LEFT: DoorOrder.OPEN_LEFT,
     DoorSide.RIGHT: DoorOrder.OPEN_RIGHT,
@@ -61,66 +58,6 @@ class Drive(IntEnum):
     CREEP = 2
 
 
-class ServedStop(NamedTuple):
-    """A stop at which the train stands, as whole numbers: its number on the wire, 0.1 mm of the run, ms."""
-
-    number: int
-    position_01mm: int
-    side: DoorSide
-    is_terminal: bool
-    turns_back: bool
-    dwell_min_ms: int
-    depart_ms: int
-
-
-class StationRules(NamedTuple):
-    """Rules of a route: its served stops, lengths in 0.1 mm and times in ms.
-
-    ``platform_01mm``: a train that stands within this length before the stopping point is at the platform.
-    """
-
-    stops: tuple[ServedStop, ...]
-    window_01mm: int
-    reach_01mm: int
-    platform_01mm: int
-    attempts: int
-    open_ms: int
-    close_ms: int
-    warn_ms: int
-    reopen_max: int
-
-    @classmethod
-    def of(cls, scenario: LineScenario) -> StationRules:
-        """Rules of a line."""
-        route = scenario.route
-        stops = [
-            ServedStop(
-                number,
-                round(stop.position_m * 1e4),
-                _SIDES[stop.platform],
-                stop.service == "terminal",
-                stop.turn_back,
-                round(stop.dwell_min_s * 1000),
-                round((stop.depart_s or 0.0) * 1000),
-            )
-            for number, stop in enumerate(scenario.stops, 1)
-            if stop.service != "pass"
-        ]
-        doors, jog = route.doors, route.jog
-        open_ms, close_ms, warn_ms = (round(time_s * 1000) for time_s in (doors.open_s, doors.close_s, doors.warn_s))
-        return cls(
-            tuple(stops),
-            round(route.door_window_m * 1e4),
-            round(jog.reach_m * 1e4),
-            round(scenario.train.length_m * 1e4),
-            jog.attempts,
-            open_ms,
-            close_ms,
-            warn_ms,
-            doors.reopen_max,
-        )
-
-
 class Situation(NamedTuple):
     """What the automaton sees in one step.
 
@@ -136,7 +73,7 @@ class Situation(NamedTuple):
     is_sound: bool
 
 
-class Stations:
+class Stations(StationTelegrams):
     """State of the train at its stops; see the module for the states.
 
     ``order``, ``holds``, ``is_ready``: DoorOrder, HoldBrake and DepartReady of DOOR_CMD. ``drive``: what computes the
@@ -147,6 +84,7 @@ class Stations:
     """
 
     def __init__(self, rules: StationRules) -> None:
+        super().__init__()
         self.rules = rules
         self.state: AtoState = AtoState.INITIALISING
         self.order: DoorOrder = DoorOrder.NONE
@@ -155,10 +93,6 @@ class Stations:
         self.departed = self.resumed = self.rejoined = self.crept = False
         self.stop = 0
         self.counters = {"jogs": 0, "missed_stops": 0, "wrong_sides": 0, "departures_refused": 0}
-        self.doors: DoorStat | None = None
-        self.info: StnInfo | None = None
-        self._doors_ms = self._info_ms = 0
-        self._doors_life, self._info_life = LifeSign(), LifeSign()
         # Times of the node's own count: entry of the state, standstill (-1: the train moves).
         self._entered_ms = 0
         self._stood_ms = -1
@@ -184,26 +118,6 @@ class Stations:
             AtoState.TURN_BACK: self._depart,
             AtoState.ENDED: self._end,
         }
-
-    # -- telegrams -----------------------------------------------------------------------------------------------------
-
-    def take_doors(self, telegram: DoorStat, own_ms: int) -> None:
-        """Take a DOOR_STAT telegram; one that repeats its life sign, or whose check is not correct, is not used."""
-        if telegram.check == CHECK_CORRECT and self._doors_life.judge(telegram.life).fresh:
-            self._doors_life.accept(telegram.life)
-            self.doors, self._doors_ms = telegram, own_ms
-
-    def take_info(self, telegram: StnInfo, own_ms: int) -> None:
-        """Take a STN_INFO telegram, as :meth:`take_doors`."""
-        if telegram.check == CHECK_CORRECT and self._info_life.judge(telegram.life).fresh:
-            self._info_life.accept(telegram.life)
-            self.info, self._info_ms = telegram, own_ms
-
-    def is_fresh(self, own_ms: int) -> bool:
-        """Whether both telegrams are known and not too old."""
-        if self.doors is None or self.info is None:
-            return False
-        return own_ms - self._doors_ms <= AGE_MAX_MS and own_ms - self._info_ms <= AGE_MAX_MS
 
     # -- readings ------------------------------------------------------------------------------------------------------
 
@@ -361,20 +275,12 @@ class Stations:
         is_inside = abs(seen.place_01mm - self.here.position_01mm) <= self.rules.window_01mm
         return is_inside and self._stands(seen) and doors is not None and doors.in_window == FLAG_TRUE
 
-    def _is_wrong_side(self) -> bool:
-        """Whether the track side names another stop or another side than the timetable."""
-        info, doors, here = self.info, self.doors, self.here
-        if info is None or doors is None:
-            return True
-        told = doors.side_permitted
-        return info.station_here != here.number or info.platform_side != here.side or (told != 0 and told != here.side)
-
     def _unlock(self, seen: Situation) -> None:
         if self.here.side is DoorSide.NONE:
             self._enter(AtoState.OPEN, seen)
         elif not self.is_fresh(seen.own_ms):
             return
-        elif self._is_wrong_side():
+        elif self.is_wrong_side(self.here):
             if self._lasts(seen) > AGE_MAX_MS:
                 self.counters["wrong_sides"] += 1
                 self._enter(AtoState.WRONG_SIDE, seen)
@@ -395,7 +301,7 @@ class Stations:
             self._make_ready(seen)
 
     def _refuse_side(self, seen: Situation) -> None:
-        if self.is_fresh(seen.own_ms) and not self._is_wrong_side():
+        if self.is_fresh(seen.own_ms) and not self.is_wrong_side(self.here):
             self._enter(AtoState.UNLOCK, seen)
         else:
             self._wait_shut(seen)
@@ -411,26 +317,20 @@ class Stations:
         self._enter(state, seen)
         self.holds, self.is_ready, self.drive = True, False, Drive.NONE
 
-    def _side_states(self) -> tuple[int, ...]:
-        """States of the doors on the side of the platform, and of the platform's own."""
-        doors, side = self.doors, self.here.side
-        if doors is None:
-            return ()
-        left = (doors.left_state,) if side in (DoorSide.LEFT, DoorSide.BOTH) else ()
-        right = (doors.right_state,) if side in (DoorSide.RIGHT, DoorSide.BOTH) else ()
-        return left + right + ((doors.psd_state,) if doors.psd_present else ())
+    def _are_open(self) -> bool:
+        return all(state in _OPENED for state in self.side_states(self.here.side))
 
     def _opening(self, seen: Situation) -> None:
-        may_order = self.is_fresh(seen.own_ms) and self._is_docked(seen) and not self._is_wrong_side()
+        may_order = self.is_fresh(seen.own_ms) and self._is_docked(seen) and not self.is_wrong_side(self.here)
         self.order = _OPEN_ORDERS[self.here.side] if may_order else DoorOrder.NONE
         is_late = self._lasts(seen) > 3 * self.rules.open_ms + MISSED_MS
-        if is_late or (self.is_fresh(seen.own_ms) and all(state in _OPENED for state in self._side_states())):
+        if is_late or (self.is_fresh(seen.own_ms) and self._are_open()):
             self._enter(AtoState.OPEN, seen)
 
     def _exchange_left_ms(self, seen: Situation) -> int:
         """Rest of the exchange of passengers: by the track side, and by the own count where no doors have opened."""
         doors = self.doors
-        if self._has_doors and doors is not None and all(state in _OPENED for state in self._side_states()):
+        if self._has_doors and doors is not None and self._are_open():
             return doors.dwell_left_ds * 100
         return max(self.here.dwell_min_ms - self._lasts(seen), 0)
 
@@ -453,21 +353,17 @@ class Stations:
             self._enter(AtoState.CLOSING, seen)
             self._closing(seen)
 
-    def _are_locked(self) -> bool:
-        doors = self.doors
-        return doors is not None and doors.doors_locked == FLAG_TRUE and doors.psd_locked == FLAG_TRUE
-
     def _closing(self, seen: Situation) -> None:
         """Order the doors closed; after an obstruction they open again by themselves, and close while it is ordered."""
         doors, may_order = self.doors, self.is_fresh(seen.own_ms) and self._stands(seen)
         self.order = DoorOrder.CLOSE if may_order else DoorOrder.NONE
         if doors is None or not may_order:
             return
-        states = self._side_states()
+        states = self.side_states(self.here.side)
         has_failed = DoorState.FAULT in states or doors.reopened > self.rules.reopen_max
         is_open = any(state in _REOPENING for state in states)
         self._has_closed = self._has_closed or DoorState.CLOSING in states
-        if self._are_locked() and not is_open:
+        if self.are_locked and not is_open:
             self._make_ready(seen)
         elif has_failed or self.state is AtoState.DOOR_FAULT:
             self.state = AtoState.DOOR_FAULT
@@ -479,7 +375,7 @@ class Stations:
         info = self.info
         if info is None or not seen.begins or not seen.is_sound or not self._stands(seen):
             return
-        if not self.is_fresh(seen.own_ms) or not self._are_locked() or not self._is_still_here(seen):
+        if not self.is_fresh(seen.own_ms) or not self.are_locked or not self._is_still_here(seen):
             return
         if info.depart_permit != FLAG_TRUE or seen.now_ms < self.due_departure_ms:
             return

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Protocol
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.faults import FAULT
@@ -34,6 +33,7 @@ from railhil.faults.notation import (
     value_of,
     value_text,
 )
+from railhil.faults.span import Complain, end_s, with_span
 from railhil.faults.words import ONLY, word_of, words_at
 
 #: Shown instead of a file for a fault of the command line.
@@ -48,13 +48,6 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]*")
 _BARE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)")
 _UNIT_WORDS = {unit for units in UNITS.values() for unit in units if unit} | {"km/h"}
 _SHOWN_MAX = 60
-
-
-class Complain(Protocol):
-    """Makes the error for a part of a fault."""
-
-    def __call__(self, found: str, allowed: str, hint: str | None = None) -> InputError:
-        """``found`` is empty for a missing part."""
 
 
 class _Reader:
@@ -291,27 +284,6 @@ def check_fault(fault: Fault, complain: Complain) -> Fault:
     if fault.expect is not None:
         _check_expect(fault.expect, complain)
     return replace(fault, values=MappingProxyType(values))
-
-
-def end_s(until: str) -> float | None:
-    """The time of the run at which a fault ends; None: it ends with an event."""
-    return number_of(until, TIME) if until[:1].isdigit() and not until[-1:].isdigit() else None
-
-
-def with_span(fault: Fault, complain: Complain) -> Fault:
-    """The fault with its duration, if it ends at a time of the run.
-
-    :raises InputError: it would end before it begins, or its beginning is no time.
-    """
-    ends_s, trigger = end_s(fault.until), fault.trigger
-    if ends_s is None or trigger.kind == "mark":
-        return fault
-    if trigger.kind != "time":
-        raise complain(f"until {fault.until}", "until a time only for a fault that begins at a time")
-    span_s = round(ends_s - float(trigger.value) - trigger.delay_s, 9)
-    if span_s <= 0.0:
-        raise complain(f"until {fault.until}", f"a time after @{trigger_text(trigger)}")
-    return replace(fault, until="", duration_s=span_s)
 
 
 def _complete(fault: Fault, word: Word, complain: Complain) -> Iterator[tuple[str, Value]]:

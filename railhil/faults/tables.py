@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from railhil.faults.language import Complain, check_fault, parse
+from railhil.faults.language import check_fault, parse
 from railhil.faults.model import LENGTH, NAME, SPEED, TIME, Expect, Fault, Trigger, Value
 from railhil.faults.notation import (
     ALLOWED,
@@ -17,6 +17,7 @@ from railhil.faults.notation import (
     trigger_of,
     value_of,
 )
+from railhil.faults.span import Complain
 from railhil.faults.words import word_of
 
 #: Units of the conditions that a table ``when`` may name.

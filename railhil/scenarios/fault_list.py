@@ -11,9 +11,10 @@ from typing import Any, TypeAlias
 from railhil.common.errors import InputError, did_you_mean
 from railhil.dbc import Port
 from railhil.faults.capability import instruments, life_signal, port_names
-from railhil.faults.language import FAULTS_MAX, fault_text, parse, with_span
+from railhil.faults.language import FAULTS_MAX, fault_text, parse
 from railhil.faults.model import COUNT, Draw, Fault, Injection, Place, Random, Trigger, Value
 from railhil.faults.notation import ALLOWED, place_text, trigger_text
+from railhil.faults.span import with_span
 from railhil.faults.tables import fault_of
 from railhil.faults.words import CLEAR, kind_of_part, word_of
 from railhil.scenarios import streams

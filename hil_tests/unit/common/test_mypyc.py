@@ -19,6 +19,8 @@ _SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
 MODULES = re.findall(r'"(railhil/[\w/]+\.py)"', _SETUP)
 #: Classes of compiled modules that interpreted code subclasses.
 _MARK = "mypyc_attr(allow_interpreted_subclasses=True)"
+#: Attributes that are read from the class itself, which mypyc looks up as Python does.
+_OF_CLASS = {"computes"}
 
 
 def _source(path: str) -> Path:
@@ -55,7 +57,7 @@ def test_what_interpreted_code_extends_is_marked_for_it_and_keeps_its_attributes
         for name, (_, bases, attributes) in _classes(path).items():
             for base in bases & defined.keys():
                 extended.add(base)
-                if _MARK not in defined[base][0] or defined[base][2] & attributes:
+                if _MARK not in defined[base][0] or defined[base][2] & attributes - _OF_CLASS:
                     wrong.append(f"{path.name}: {name}({base})")
     assert wrong == []
     assert {"TrainOnBus", "SingleLink", "SwitchPort"} <= extended

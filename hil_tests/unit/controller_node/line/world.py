@@ -6,7 +6,8 @@ from functools import lru_cache
 from typing import cast
 
 from railhil.bus.layout import flag
-from railhil.controller_node.line.stations import ServedStop, Situation, StationRules, Stations
+from railhil.controller_node.line.rules import ServedStop, StationRules
+from railhil.controller_node.line.stations import Situation, Stations
 from railhil.scenarios.load import load_any
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.line import DoorOrder, DoorSide, DoorStat, DoorState, StnInfo

@@ -195,7 +195,10 @@ def test_the_worst_stop_is_one_that_misses_a_limit() -> None:
     assert name(judged(with_stop(3, arrive_s=440.0))) == "4 D"
 
 
-def test_a_terminal_shows_one_line_per_stop_and_then_the_totals(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_terminal_shows_one_line_per_stop_and_then_the_totals(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
     found = judged(with_stop(1, stop_error_max_m=0.2))
     print_scores(Output(), LINE, [("ipfc_plus iq (measured)", found)])
     lines = capsys.readouterr().out.splitlines()
