@@ -96,8 +96,7 @@ class Record:
     @property
     def system(self) -> System:
         """The system of the scenario."""
-        found: System = self.scenario.installed_system
-        return found
+        return self.scenario.installed_system
 
     @cached_property
     def judging(self) -> Judging:

@@ -191,7 +191,7 @@ class LineRun:
             regenerated_kj=electric_work_kj(self.scenario, run.time_s, run.speed_mps, run.brake_n),
             comfort_mps2_per_km=journey.comfort_mps2_per_km(run),
             itae_kmh_s2=journey.itae_kmh_s2(run) if has_target else None,
-            nearest_m=protection and protection.nearest_m(self.motion, from_s, until_s),
+            nearest_m=protection.nearest_m(self.motion, from_s, until_s) if protection else None,
             level=protection.level(from_s, until_s) if protection else "off",
         )
 
