@@ -96,7 +96,8 @@ class Record:
     @property
     def system(self) -> System:
         """The system of the scenario."""
-        return self.scenario.installed_system
+        found: System = self.scenario.installed_system
+        return found
 
     @cached_property
     def judging(self) -> Judging:
@@ -390,8 +391,9 @@ def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
         raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
     wanted_wire = int(trace.contract.sha256[:8], 16)
     if ident.wire_hash != wanted_wire:
-        allowed = f"{wanted_wire:08x} (the DBC that the record says it was made with)"
-        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", allowed)
+        raise InputError(
+            log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC that the record names)"
+        )
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
