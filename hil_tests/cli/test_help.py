@@ -82,6 +82,16 @@ def test_the_default_law_of_each_system_is_named() -> None:
         assert re.search(rf"\(default: [^)]*\b{system_named(name).law} of {name}\b", text)
 
 
+@pytest.mark.parametrize("command", ["railhil run", "railhil scenarios"])
+def test_the_systems_and_what_their_runs_are_not_are_named(command: str) -> None:
+    text = " ".join(COMMANDS[command].format_help().split())
+    for name in names():
+        system = system_named(name)
+        for sentence in (f"{name} {system.title}", *(system.optional_part("statement") or ())):
+            assert sentence in text
+    assert "no conformity is claimed" in text
+
+
 def test_the_help_of_a_command_of_several_shows_the_examples_of_all(here: Railhil) -> None:
     text = here("new", "--help").out
     assert "\n  railhil new law " in text

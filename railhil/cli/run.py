@@ -45,7 +45,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.system import DEFAULT, System, system_named, told_systems
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
@@ -113,6 +113,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil run yizhuang_stop --memory memory",
         ],
         sections=SECTIONS,
+        remark=told_systems,
     )
     add_arguments(parser)
     add_option(parser, "--controller", OR_YOURS)

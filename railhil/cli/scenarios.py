@@ -11,6 +11,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any, names, short_names
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option
+from railhil.scenarios.system import told_systems
 
 #: Terminal width from which the longest short name leaves room for the other columns.
 _NAMES_COLUMNS = 80
@@ -25,6 +26,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil scenarios yizhuang_05",
             "railhil scenarios yizhuang_05 --set plan.stop_error_max_m=0.3",
         ],
+        remark=told_systems,
     )
     add_option(parser, "scenario", ", to be checked and described", default=None, usual="all shipped ones are listed")
     add_option(parser, "--set")

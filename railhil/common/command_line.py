@@ -11,6 +11,7 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Any, NoReturn
 
 from railhil.common.errors import did_you_mean
@@ -80,6 +81,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     :param examples: command lines, as a user types them.
     :param sections: title of a part of the help -> the options that stand there; all others stand before them.
+    :param remark: makes a text after the examples for a help of this many columns; called only when a help is shown.
     """
 
     def __init__(
@@ -87,6 +89,7 @@ class OneLineParser(argparse.ArgumentParser):
         *args: Any,
         examples: Sequence[str] = (),
         sections: Mapping[str, Sequence[str]] | None = None,
+        remark: Callable[[int], str] | None = None,
         **kwargs: Any,
     ) -> None:
         kwargs.setdefault("epilog", EXIT_CODES)
@@ -95,7 +98,7 @@ class OneLineParser(argparse.ArgumentParser):
         self._section_of: dict[str, argparse._ArgumentGroup] = {}
         super().__init__(*args, **kwargs)
         self.register("type", Path, _path)
-        self.examples = tuple(examples)
+        self.examples, self._remark = tuple(examples), remark
         for title, options in (sections or {}).items():
             self._section_of |= dict.fromkeys(options, self.add_argument_group(title))
 
@@ -108,7 +111,8 @@ class OneLineParser(argparse.ArgumentParser):
         """The help. Each option stands in it once: the usage only names what must be given."""
         self.usage = self.usage or self._short_usage()
         own, examples = self.epilog, [f"  {line}" for line in self._shown_examples()]
-        self.epilog = "\n".join([*(["examples:", *examples, ""] if examples else []), own or ""])
+        said = [self._remark(get_terminal_size().columns), ""] if self._remark else []
+        self.epilog = "\n".join([*(["examples:", *examples, ""] if examples else []), *said, own or ""])
         try:
             return super().format_help()
         finally:

@@ -12,6 +12,7 @@ from importlib import import_module
 from importlib.resources import files
 from math import nan
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
@@ -121,6 +122,8 @@ class System:
     #: Lists the least traction work of its sections, for ``railhil bound``
     #: (:data:`railhil.scenarios.section_bound.ListBounds`).
     bound: str | None = None
+    #: Sentences on what its runs are not, for the help of a command.
+    statement: str | None = None
 
     def __post_init__(self, own: Mapping[str, str] | None) -> None:
         if self.given is None and self.interface is not None:
@@ -236,6 +239,17 @@ class System:
 def names() -> list[str]:
     """Names of the installed systems, sorted."""
     return sorted(entries(GROUP))
+
+
+def told_systems(columns: int) -> str:
+    """The installed systems, each with its title and what its runs are not, for a help of this width."""
+    width = max(columns - 2, 40)
+    lines = ["systems, of which a scenario names one:"]
+    for name in sorted(names(), key=lambda name: name != DEFAULT):
+        system = system_named(name)
+        said = "; ".join([system.title, *(system.optional_part("statement") or ())])
+        lines += wrap(f"{name:<6}{said}", width, initial_indent="  ", subsequent_indent=" " * 8)
+    return "\n".join(lines)
 
 
 def system_named(name: str, file: str | Path = "scenario") -> System:

@@ -48,6 +48,7 @@ LINE = System(
     catalogue="railhil.systems.line:CATALOGUE",
     faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",
     given="railhil.controller_node.ato.given:GivenNotchLaw",
+    statement="railhil.systems.line.scenario.statement:STATEMENT",
     by_section=("tune", "export-c", "audit"),
     truth=Truth(
         port="SIM_TRUTH",

@@ -20,6 +20,12 @@ def test_a_section_of_a_line_is_a_scenario_of_ato() -> None:
     assert section.name == "yizhuang_out_section_5"
 
 
+def test_a_section_claims_no_train_protection() -> None:
+    section = " ".join(load("four_stops", settings=["section=1"]).assumptions)
+    assert "train protection" not in section
+    assert "not the real timetable" in section
+
+
 def test_a_section_has_its_own_hash_and_a_document_that_restores_it() -> None:
     first, second = (load("four_stops", settings=[f"section={number}"]) for number in (1, 2))
     assert first.sha256 != second.sha256

@@ -73,6 +73,22 @@ CHANGES: dict[str, tuple[dict[str, str], str]] = {
         {"arrive_s = 137": "arrive_s = 137, running_time_s = 107"},
         "route.stops[1].running_time_s: found 107, allowed no such key beside arrive_s",
     ),
+    "a departure that the first stop has": (
+        {"regulation =": "first_departure_s = 40\nregulation ="},
+        "route.first_departure_s: found 40, allowed no such key: each stop has a time of its own",
+    ),
+    "a dwell that all stops have": (
+        {"regulation =": "dwell_s = 50\nregulation ="},
+        "route.dwell_s: found 50, allowed no such key: each stop has a time of its own",
+    ),
+    "running times that all stops have": (
+        {"regulation =": "running_time_s = [120, 180]\nregulation ="},
+        "route.running_time_s: found [120.0, 180.0], allowed no such key: each stop has a time of its own",
+    ),
+    "a reserve for stops without a time, of which there are none": (
+        {"regulation =": "running_time_reserve_percent = 20\nregulation ="},
+        "route.running_time_reserve_percent: found 20, allowed no such key: each stop has a time of its own",
+    ),
     "no time": (
         {"arrive_s = 137, ": ""},
         "route.stops[1].arrive_s: found nothing, allowed a time, running_time_s, or route.running_time_reserve_percent",
@@ -124,6 +140,11 @@ CHANGES: dict[str, tuple[dict[str, str], str]] = {
     "reserves that fall": (
         {"profiles_percent = [0, 5, 12]": "profiles_percent = [0, 12, 5]"},
         "route.profiles_percent: found [0.0, 12.0, 5.0], allowed reserves that increase: fast, normal, economy",
+    ),
+    "a profile that passes the permitted speed": (
+        {'"retime"  ': '"profiles"'},
+        "target A - B, profile fast: found 57.2 km/h at 1019 m, allowed 56.1 km/h (atp: permitted 57.1 less "
+        "ato_margin_kmh)",
     ),
     "masses out of order": (
         {"[atp]": "[perturbations]\nsection_mass_factor = [1.1, 0.9]\n[atp]"},

@@ -83,7 +83,6 @@ MEANING = {
 }
 #: The keys that a scenario based on another one changes most often.
 USUAL = (
-    "route.first_departure_s",
     "route.running_time_reserve_percent",
     "route.stop_error_max_m",
     "route.arrival_error_max_s",

@@ -22,6 +22,7 @@ from railhil.systems.line.braking.limits import Braking
 from railhil.systems.line.braking.track import SpeedTarget, TrackLimits
 from railhil.systems.line.scenario.model import LineScenario, Section
 from railhil.systems.line.scenario.protection import Protection, protection_balises
+from railhil.systems.line.scenario.sections import PROFILES
 
 #: A red signal's supervised location lies this far behind it.
 SIGNAL_OVERLAP_M = 20.0
@@ -128,8 +129,9 @@ def check_targets(line: LineScenario, refuse: Refuse) -> None:
             track = track_of(line.atp, line.train, line.legs[signal.leg])
             track.end_target(signal.position_m, signal.position_m + SIGNAL_OVERLAP_M, 0.0, 0.0)
         for section in line.sections:
-            for curve in (section.target, *section.profiles):
-                _check_target(line, section, curve, refuse)
+            _check_target(line, section, section.target, "", refuse)
+            for name, curve in zip(PROFILES, section.profiles, strict=False):
+                _check_target(line, section, curve, f", profile {name}", refuse)
     except GradeNotHeldError as error:
         quantity = {"emergency": "A_safe", "service": "A_expected"}[error.brake]
         place, speed = short_number(round(error.position_m, 1)), short_number(round(error.speed_mps * _KMH, 1))
@@ -140,7 +142,8 @@ def check_targets(line: LineScenario, refuse: Refuse) -> None:
         ) from None
 
 
-def _check_target(line: LineScenario, section: Section, curve: TargetCurve, refuse: Refuse) -> None:
+def _check_target(line: LineScenario, section: Section, curve: TargetCurve, which: str, refuse: Refuse) -> None:
+    """:param which: of the curves of the section, in words behind its name."""
     protection = line.atp
     track = track_of(protection, line.train, line.legs[section.leg])
     targets = [_end_target(line, section, track), *track.lower]
@@ -152,7 +155,7 @@ def _check_target(line: LineScenario, section: Section, curve: TargetCurve, refu
     if worst is not None:
         _, sample, permitted_mps = worst
         allowed_mps = max(permitted_mps - protection.ato_margin_mps, 0.0)
-        name = f"target {line.stops[section.departure].name} - {line.stops[section.arrival].name}"
+        name = f"target {line.stops[section.departure].name} - {line.stops[section.arrival].name}{which}"
         raise refuse(
             (name,),
             Finding(f"{sample.speed_mps * _KMH:.1f} km/h at {sample.estimated_m:.0f} m"),

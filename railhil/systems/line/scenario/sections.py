@@ -14,6 +14,7 @@ from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s, g
 from railhil.systems.ato.scenario.model import Balise, Line, Perturbations, RunPlan, Scenario, TargetCurve, Train
 from railhil.systems.ato.scenario.target import target_of
 from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.statement import PROTECTION
 
 #: Largest running time of a section, as a multiple of that of the timetable (chosen).
 RUNNING_TIME_MAX_RATIO = 1.3
@@ -88,7 +89,7 @@ def section_scenario(
         energy=line.energy,
         watch=line.watch,
         perturbations=replace(perturbations, mass_factor=drawn.mass_factor or drawn.section_mass_factor),
-        assumptions=line.assumptions,
+        assumptions=tuple(sentence for sentence in line.assumptions if sentence != PROTECTION),
     )
     return replace(scenario, sha256=scenario_sha256(scenario))
 

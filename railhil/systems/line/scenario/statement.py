@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import Final
 
+#: Of the train protection, which a section run by itself does not have.
+PROTECTION: Final = (
+    "the train protection is modelled after the published structure of SUBSET-026-3, 3.13; it is no implementation of "
+    "it, and no conformity is claimed"
+)
 #: Sentences for ``Scenario.assumptions`` of every line.
 STATEMENT: Final = (
-    "the train protection is modelled after the published structure of SUBSET-026-3, 3.13; it is no implementation of "
-    "it, and no conformity is claimed",
+    PROTECTION,
     "the timetable is chosen; it is not the real timetable of a line",
     "the train is alone: no other trains, no passenger flow, no reversing but at a turn-back, no line voltage, no "
-    "curve resistance, no adhesion below the guaranteed factor",
+    "curve resistance, no brake percentages, no adhesion below the guaranteed factor",
 )

@@ -23,6 +23,8 @@ from railhil.systems.line.scenario.sections import cut_section, find_fastest_s
 
 #: Rounding of sums of times, s.
 _ROUNDING_S = 1e-9
+#: Keys of the route for stops without a time of their own.
+_USUAL_TIMES = ("first_departure_s", "running_time_s", "running_time_reserve_percent", "dwell_s")
 _SIDES = "left, right, both or none: doors need a side"
 
 
@@ -160,13 +162,15 @@ class _Times:
         self._route, self._laid, self._stops, self._ways = route, laid.stops, stops, ways
         self._period_ns, self._refuse = control_period_ns, refuse
         self._leg_ways = [[way for way in ways if way.leg == leg] for leg in range(len(laid.legs))]
+        #: Of :data:`_USUAL_TIMES`, those that no stop has made needless.
+        self._used = set[str]()
 
     def fill(self) -> None:
         """:raises InputError: a time is missing, wrong, or given where the train does not stop."""
         self._check_given()
         first = self._laid[0].table
         depart_s = self._route.first_departure_s if first.depart_s is None else first.depart_s
-        key = ("route", "first_departure_s") if first.depart_s is None else self._laid[0].key_of("depart_s")
+        key = self._usual("first_departure_s") if first.depart_s is None else self._laid[0].key_of("depart_s")
         self._check_period(depart_s, depart_s, key)
         self._stops[0] = replace(self._stops[0], depart_s=depart_s)
         for way in self._ways:
@@ -176,6 +180,21 @@ class _Times:
                 depart_s = self._find_departure(way, stop, arrive_s)
                 stop = replace(stop, depart_s=depart_s)
             self._stops[way.arrival] = stop
+        self._check_used()
+
+    def _usual(self, name: str) -> Keys:
+        """Note that a stop has its time from this key of the route."""
+        self._used.add(name)
+        return ("route", name)
+
+    def _check_used(self) -> None:
+        """A time of the route that no stop needs is not read as nothing."""
+        between = [stop for stop in self._stops[1:-1] if stop.service != "pass"]
+        for name in _USUAL_TIMES:
+            if name in self._route.model_fields_set - self._used and (between or name != "dwell_s"):
+                given = getattr(self._route, name)
+                found = given if isinstance(given, list) else short_number(given)
+                raise self._refuse(("route", name), found, "no such key: each stop has a time of its own")
 
     def _check_given(self) -> None:
         """No time where there is none, and arrays of the right length."""
@@ -213,9 +232,11 @@ class _Times:
             if laid.table.running_time_s is not None:
                 found_s, source = laid.table.running_time_s, laid.key_of("running_time_s")
             elif table.running_time_s:
+                self._usual("running_time_s")
                 found_s, source = table.running_time_s[place], (*key, "running_time_s", place)
             elif self._route.running_time_reserve_percent is not None:
                 reserve = self._route.running_time_reserve_percent
+                self._usual("running_time_reserve_percent")
                 running_s = self._round_up(float(math.ceil(way.fastest_s * (1 + reserve / 100))))
                 return depart_s + running_s
             else:
@@ -249,6 +270,7 @@ class _Times:
         table, key = self._table(way.leg)
         if table.dwell_s is None:
             table, key = self._route, ("route",)
+        self._usual("dwell_s")
         dwell_s = table.dwell_s
         assert dwell_s is not None
         if not isinstance(dwell_s, list):
