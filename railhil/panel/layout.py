@@ -58,7 +58,7 @@ class Layout:
     ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
     ``gauges``: of the columns that stand at first sight beside these. The tracking error is a column if there are speed
     and target. ``places``: named places of the line that is drawn with the place of the train, ``strip``: the columns
-    that are drawn over it; empty: there is none.
+    that are drawn over it; empty: there is none. ``assumptions``: what the scenario assumes, and what it is not.
     """
 
     columns: tuple[ShownColumn, ...]
@@ -72,6 +72,7 @@ class Layout:
     gauges: tuple[int, ...] = ()
     places: tuple[Place, ...] = ()
     strip: tuple[int, ...] = ()
+    assumptions: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The JSON form for the page."""
@@ -118,6 +119,7 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
         gauges,
         places,
         strip if places else (),
+        tuple(scenario.assumptions),
     )
 
 

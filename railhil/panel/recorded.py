@@ -283,6 +283,7 @@ def merge_layouts(layouts: Sequence[Layout]) -> Layout:
         command=find_place(first, first.command),
         gauges=tuple(dict.fromkeys(find_place(layout, at) for layout in layouts for at in layout.gauges)),
         strip=tuple(dict.fromkeys(find_place(layout, at) for layout in layouts for at in layout.strip)),
+        assumptions=tuple(dict.fromkeys(sentence for layout in layouts for sentence in layout.assumptions)),
     )
 
 

@@ -37,6 +37,17 @@ def test_a_line_has_its_stops_and_the_speeds_over_it() -> None:
     assert len({one.name for one in layout.columns}) == len(layout.columns)
 
 
+def test_the_page_has_what_a_scenario_assumes_and_what_it_is_not() -> None:
+    line = four_stops()
+    layout = layout_of(line)
+    assert layout.assumptions == line.assumptions
+    assert any("no conformity is claimed" in sentence for sentence in layout.as_json()["assumptions"])
+    other = layout_of(load_any("yizhuang_05"))
+    assert merge_layouts([layout, layout, other]).assumptions == tuple(
+        dict.fromkeys((*line.assumptions, *other.assumptions))
+    )
+
+
 def test_states_are_words_at_first_sight() -> None:
     layout = layout_of(four_stops())
     shown = {layout.columns[at].name: layout.columns[at] for at in layout.gauges}

@@ -94,6 +94,8 @@ function begin(header) {
   byId("frames-of").hidden = header.kind !== "live";
   byId("lamps").hidden = !page.layout.lamps.length || header.runs.length > 1;
   byId("axis").hidden = page.layout.position < 0;
+  byId("assumed-of").hidden = !page.layout.assumptions.length;
+  byId("assumed").replaceChildren(...page.layout.assumptions.map((one) => element("li", {}, one)));
   page.gauges = new Gauges(byId("values"), page.layout, header.runs);
   const charts = byId("charts");
   charts.replaceChildren();
