@@ -159,6 +159,45 @@ def test_a_train_leaves_with_permission_only() -> None:
     assert driver.train.journey.section == 0
 
 
+def refused_at_second_stop(driver: Driver) -> None:
+    """The order to depart that it is given now is refused, and its authority stays."""
+    train = driver.train
+    authority = train.journey.authority(train.position_01mm / 1e4, train.tick)
+    ready = {"depart_ready": FLAG_TRUE, "station": 2, "hold_brake": FLAG_TRUE}
+    driver.orders = lambda: ready  # type: ignore[method-assign]
+    ticks = train.tick + 100
+    driver.run(lambda: train.tick == ticks)
+    assert driver.kinds()[-1] == "door_refused"
+    assert train.journey.section == 0
+    assert train.journey.authority(train.position_01mm / 1e4, train.tick) == authority
+
+
+def test_a_train_with_open_doors_does_not_leave_although_the_track_side_permits_it() -> None:
+    driver = begun(stops=(STOPS[0], replace(STOPS[1], psd=False), *STOPS[2:]))
+    driver.run(lambda: "doors_open" in driver.kinds())
+    opened = {"order": DoorOrder.OPEN_LEFT, "station": 2, "hold_brake": FLAG_TRUE}
+    driver.orders = lambda: opened  # type: ignore[method-assign]
+    driver.run(lambda: driver.train.is_departure_permitted)
+    refused_at_second_stop(driver)
+
+
+def test_a_train_does_not_leave_before_the_exchange_of_passengers_is_over() -> None:
+    driver = begun()
+    driver.run(lambda: "doors_open" in driver.kinds())
+    closing = {"order": DoorOrder.CLOSE, "station": 2, "hold_brake": FLAG_TRUE}
+    driver.orders = lambda: closing  # type: ignore[method-assign]
+    driver.run(lambda: "doors_locked" in driver.kinds())
+    assert driver.train.journey.dwell_left_s(driver.train.tick) > 2.0
+    refused_at_second_stop(driver)
+
+
+def test_a_train_does_not_leave_towards_a_red_signal() -> None:
+    driver = begun(signals=(RouteSignal(1500.0, 400.0),))
+    driver.run(lambda: "doors_locked" in driver.kinds())
+    assert driver.train.journey.dwell_left_s(driver.train.tick) == 0.0
+    refused_at_second_stop(driver)
+
+
 def test_doors_of_the_platform_that_lose_their_lock_keep_the_permission_back() -> None:
     driver = begun()
     driver.run(lambda: "doors_locked" in driver.kinds())
