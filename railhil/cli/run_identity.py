@@ -139,6 +139,11 @@ class RunIdentity:
         return ", ".join(parts)
 
     @property
+    def said(self) -> tuple[str, str]:
+        """Run and remark, either of them empty; before the plant has told what it runs, the remark alone says so."""
+        return ("" if self._plant is None else self.run), self.warning
+
+    @property
     def warning(self) -> str:
         """The remark on the display; empty: none."""
         plant, named = self._plant, self._named

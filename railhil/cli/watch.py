@@ -173,7 +173,7 @@ class View:
     @property
     def heading(self) -> str:
         """Identity of the run, as sent by the plant, and the remark on it."""
-        return "; ".join(filter(None, (self._watched.run, self._watched.warning)))
+        return "; ".join(filter(None, self._watched.said))
 
     @property
     def instant(self) -> str:
@@ -210,9 +210,10 @@ class View:
     def picture(self) -> RenderableType:
         """The whole picture for a terminal: instruments, all columns, milestones."""
         values, listener, instruments = self.values(), self.listener, self._instruments
-        said: list[RenderableType] = [Text(self._watched.run)]
-        if self._watched.warning:
-            said.append(Text(self._watched.warning, "bold yellow"))
+        run, warning = self._watched.said
+        said: list[RenderableType] = [Text(run)] if run else []
+        if warning:
+            said.append(Text(warning, "bold yellow"))
         if self.lost:
             said.append(Text(f"{self.lost} FRAMES LOST HERE: what they said is not shown", "bold red"))
         scenario = self._watched.scenario

@@ -109,6 +109,10 @@ class LogTail:
         return newest
 
 
+#: Nearer to a named place than this a train is at it, m.
+_AT_PLACE_M = 1.0
+
+
 class Instruments:
     """The displayed values of a scenario's system.
 
@@ -121,6 +125,7 @@ class Instruments:
         self.shown = shown_columns(scenario, notes=notes)
         self._holds_s = holding_s(scenario, scenario.installed_system.contract)
         self._ends_at_m = self._judging.ends_at_m(scenario)
+        self._places = sorted(self._judging.places(scenario), key=lambda place: place.position)
 
     def values(self, newest: Newest) -> dict[str, float]:
         """Values of the columns that are known now, in their display units; empty before the first telegram of the
@@ -140,6 +145,15 @@ class Instruments:
         """Distance to the planned end of the run; None if the system declares none."""
         position_m = values.get(self.shown.position)
         return None if self._ends_at_m is None or position_m is None else self._ends_at_m - position_m
+
+    def place(self, values: Mapping[str, float]) -> str:
+        """The named place at which the train is, or the next one and its distance; empty without any."""
+        position_m = values.get(self.shown.position)
+        ahead = [] if position_m is None else [one for one in self._places if one.position > position_m - _AT_PLACE_M]
+        if not ahead or position_m is None:
+            return ""
+        away_m = ahead[0].position - position_m
+        return f"at {ahead[0].name}" if away_m < _AT_PLACE_M else f"{ahead[0].name} in {away_m:.0f} m"
 
     def describe(self, column: ShownColumn, value: float) -> str:
         """A value in words, or as a number with its unit."""
@@ -173,6 +187,7 @@ class Instruments:
             parts.append(f"{command.label.removesuffix(' command')} {value}" if value else "")
         if ladder := self.ladder(values):
             parts.append(ladder)
+        parts.append(self.place(values))
         if (to_go_m := self.to_go_m(values)) is not None:
             parts.append(f"{to_go_m:.0f} m to go" if abs(to_go_m) >= 10.0 else f"{to_go_m:.2f} m to go")
         return ", ".join(filter(None, parts))

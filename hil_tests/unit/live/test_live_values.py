@@ -122,6 +122,22 @@ def test_every_system_shows_what_it_declares(name: str, values: dict[str, float]
     assert ("to go" in instruments.line(values)) == (name == "yizhuang_stop")
 
 
+@pytest.mark.parametrize(
+    ("position_m", "place"),
+    [(0.0, "at A"), (1150.0, "B in 50 m"), (1199.1, "at B"), (1200.9, "at B"), (1201.1, "C in 1099 m"), (3425.0, "")],
+)
+def test_the_next_named_place_is_shown(position_m: float, place: str) -> None:
+    instruments = Instruments(load_any("four_stops"))
+    values = {"true_position_m": position_m, "true_speed_mps": 36.0}
+    assert instruments.place(values) == place
+    assert place in instruments.line(values)
+
+
+def test_before_the_plant_has_told_what_it_runs_that_is_said_once() -> None:
+    for watched in (RunIdentity(None), RunIdentity(load_any("yizhuang_05"))):
+        assert "; ".join(filter(None, watched.said)).count("the plant has not told yet") == 1
+
+
 def test_a_follower_knows_time_milestones_and_the_next_run(recorded: Recorded) -> None:
     contract = recorded.trace().contract
     passed = Milestones(contract, {})
