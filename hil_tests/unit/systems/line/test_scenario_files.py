@@ -256,3 +256,18 @@ def test_every_key_of_a_line_has_a_meaning() -> None:
 
 def test_the_meanings_are_those_of_keys_that_there_are() -> None:
     assert {*MEANING} - {key.name for key in system_named("line").scenario_kind.list_keys()} <= {*ATO_MEANING}
+
+
+@pytest.mark.parametrize(
+    ("emergency", "told"),
+    [
+        ("braking_mps2 = 0.918, dead_s = 0.6, lag_s = 0.6", False),
+        ("braking_mps2 = 0.917, dead_s = 0.3, lag_s = 0.6", True),
+        ("braking_mps2 = 1.2, dead_s = 0.7, lag_s = 0.6", True),
+    ],
+)
+def test_a_brake_that_the_protection_does_not_cover_is_among_the_assumptions(
+    tmp_path: Path, emergency: str, told: bool
+) -> None:
+    scenario = written(tmp_path, f"[train]\nemergency = {{ {emergency} }}")
+    assert any("the protection does not cover it" in sentence for sentence in scenario.assumptions) == told

@@ -20,7 +20,13 @@ from railhil.systems.line.scenario.canonical import scenario_sha256
 from railhil.systems.line.scenario.curves import find_targets
 from railhil.systems.line.scenario.legs import LaidRoute, lay_route, list_overruns
 from railhil.systems.line.scenario.model import StationStop
-from railhil.systems.line.scenario.protection import ATP_TAGS, check_protection, protection_of
+from railhil.systems.line.scenario.protection import (
+    ATP_TAGS,
+    Protection,
+    check_protection,
+    list_uncovered,
+    protection_of,
+)
 from railhil.systems.line.scenario.statement import STATEMENT
 from railhil.systems.line.scenario.timetable import make_timetable
 
@@ -52,7 +58,7 @@ def read_line_scenario(
     check.check_file(file, timing, watch, perturbations, contract, refuse)
     laid = lay_route(file, train.length_m, lambda key, name: _read_line(layers, key, name), refuse)
     check.check_legs(train, laid, refuse)
-    protection = protection_of(file.atp, train)
+    protection, emergency = protection_of(file.atp, train), _convert_emergency(file.train.emergency)
     check_protection(protection, refuse)
     timetable = make_timetable(file.route, laid, train, protection, timing.control_period_ns, refuse)
     check.check_balises(laid, timetable.stops, refuse)
@@ -84,6 +90,7 @@ def read_line_scenario(
             *file.line.assumptions,
             *laid.remarks,
             *list_overruns(laid, timetable.stops),
+            *_list_uncovered(train, protection, emergency),
             *file.assumptions,
             *STATEMENT,
         ),
@@ -94,7 +101,7 @@ def read_line_scenario(
         route=route,
         signals=_convert_signals(file.route, laid, refuse),
         atp=protection,
-        emergency=_convert_emergency(file.train.emergency),
+        emergency=emergency,
     )
     check.check_scenario(scenario, contract, refuse)
     scenario = replace(scenario, sha256=scenario_sha256(scenario))
@@ -159,6 +166,15 @@ def _convert_route(table: schema.RouteTable) -> model.Route:
 
 def _convert_emergency(table: schema.EmergencyTable | None) -> model.EmergencyBrake | None:
     return None if table is None else model.EmergencyBrake(**table.model_dump())
+
+
+def _list_uncovered(
+    train: ato.Train, protection: Protection, emergency: model.EmergencyBrake | None
+) -> tuple[str, ...]:
+    """Without an emergency brake of its own the train has the full service brake at once."""
+    if emergency is None:
+        return list_uncovered(protection, train.service_braking_mps2, 0.0)
+    return list_uncovered(protection, emergency.braking_mps2, emergency.dead_s + emergency.lag_s)
 
 
 def _convert_signals(route: schema.RouteTable, laid: LaidRoute, refuse: Refuse) -> tuple[model.RouteSignal, ...]:

@@ -26,6 +26,7 @@ from railhil.systems.line.braking.limits import INCREMENTS, Increments
 ProfileName = Literal["metro", "subset026"]
 
 _KMH = 3.6
+_ROUNDING_S = 1e-9
 #: Numbers of the protection's own balises.
 _OWN_NUMBERS = range(201, 256)
 #: Least distance between them (chosen): as between the balises of a shipped line.
@@ -213,6 +214,22 @@ def check_protection(protection: Protection, refuse: Refuse) -> None:
         for row, (_, value) in enumerate(rows):
             if not 0.0 < value <= most:
                 raise refuse(("atp", key, row), short_number(value), f"above 0{', at most 1' if most == 1.0 else ''}")
+
+
+def list_uncovered(protection: Protection, braking_mps2: float, delay_s: float) -> tuple[str, ...]:
+    """A sentence if the train's emergency brake is not the one that the curves count on.
+
+    :param delay_s: its dead time and its lag together.
+    """
+    k_wet = max(value for _, value in protection.k_wet)
+    share = max(value for _, value in protection.k_dry) * (k_wet + protection.m_avadh * (1.0 - k_wet))
+    counted_mps2 = share * max(value for _, value in protection.emergency_mps2)
+    if not protection.enabled or (braking_mps2 >= counted_mps2 and delay_s <= protection.t_be_s + _ROUNDING_S):
+        return ()
+    return (
+        f"train: its emergency brake, {braking_mps2:g} m/s2 after {delay_s:g} s, is weaker or later than the train "
+        f"protection counts on, {counted_mps2:g} m/s2 after {protection.t_be_s:g} s: the protection does not cover it",
+    )
 
 
 def check_overlaps(eoa_overlap_m: float, svl_overlap_m: float, key: tuple[str | int, ...], refuse: Refuse) -> None:
