@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.line_records import Told, driven_run, milestones_in, trace_of
+from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.cli.result_printer import print_scores
 from railhil.common.output import Output
@@ -22,7 +23,7 @@ from railhil.systems.line.judge.judging import JUDGING
 from railhil.systems.line.judge.milestones import milestones_of
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.judge.stop import LineStop
-from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.model import LineScenario, RouteSignal
 from railhil.wire.ato import SimTruth
 from railhil.wire.line import AtpLim, AtpStat, DoorStat
 
@@ -250,3 +251,78 @@ def test_after_a_turn_back_the_limits_of_the_next_leg_hold() -> None:
     assert found.verdict == "FAIL"
     assert found.failures[0].startswith("overspeed ")
     assert found.extras["overspeed_mps"] == pytest.approx(15.3 - 10.0, abs=0.2)
+
+
+def _with_event(kind: str, event: int, place: int = 0, later_s: float = 0.0) -> Callable[[Told], Told]:
+    """The run with another milestone in the place of one."""
+    number = milestones_in(TOLD, kind, LINE)[place]
+
+    def change(told: Told) -> Told:
+        if not _is_number(told, number):
+            return told
+        found = RunEvent.decode(told.data)
+        instant_01ms = found.instant_01ms + round(later_s * 1e4)
+        return told._replace(data=replace(found, event=event, instant_01ms=instant_01ms).encode())
+
+    return change
+
+
+def test_an_emergency_brake_fails_the_run() -> None:
+    found = judged(change=_with_event("departed", Event.EMERGENCY))
+    assert (found.verdict, len(found.failures)) == ("FAIL", 1)
+    assert found.failures[0].startswith("emergency brake at 5.")
+
+
+def test_a_stop_whose_doors_stayed_shut_is_not_served() -> None:
+    opened, locked = _with_event("doors_open", 1), _with_event("doors_locked", 1)
+
+    def change(told: Told) -> Told:
+        if told.port == DoorStat.PORT and told.time_ns < 300e9:
+            return told._replace(data=replace(DoorStat.decode(told.data), left_state=0, psd_state=0).encode())
+        return opened(locked(told))
+
+    found = judged(change=change)
+    assert (found.verdict, found.failures) == ("FAIL", ("stop 2 B: doors did not open",))
+
+
+def test_a_train_that_rolls_away_from_a_stop_is_named() -> None:
+    def change(told: Told) -> Told:
+        time_s = told.time_ns / 1e9
+        if told.port != SimTruth.PORT or time_s > 4.0:
+            return told
+        found = SimTruth.decode(told.data)
+        rolled_m = time_s / 2 - np.sin(np.pi * time_s / 2) / np.pi
+        speed_mps = 0.5 - 0.5 * np.cos(np.pi * time_s / 2)
+        moved = replace(found, position_01mm=round((rolled_m - 2.0) * 1e4), speed_01mmps=round(speed_mps * 1e4))
+        return told._replace(data=moved.encode())
+
+    assert any(text.startswith("invariant 11: the train moved 2.0") for text in judged(change=change).failures)
+
+
+def test_an_emergency_brake_that_the_protection_takes_back_is_named() -> None:
+    def change(told: Told) -> Told:
+        if told.port == AtpStat.PORT and 60e9 <= told.time_ns <= 62e9:
+            return told._replace(data=replace(AtpStat.decode(told.data), emergency_brake=2, cause=2).encode())
+        return _with_reaction(60.0, 62.0, milestone=False)(told)
+
+    milestone = _with_event("departed", LINE.installed_system.events["atp"], later_s=55.0)
+    found = judged(change=lambda told: milestone(change(told)))
+    assert any(text.startswith("invariant 10: ") for text in found.failures), found.failures
+
+
+def test_a_train_beyond_a_red_signal_is_named() -> None:
+    found = judged(replace(LINE, signals=(RouteSignal(600.0, 200.0),)))
+    assert found.failures[0].startswith("invariant 9: the front was at 1200.")
+    assert found.failures[0].endswith("supervised location 620.00 m behind a red signal")
+    assert judged(replace(LINE, signals=(RouteSignal(600.0, 10.0),))).verdict == "PASS"
+
+
+def test_a_passing_where_the_train_was_not_is_a_contradiction() -> None:
+    found = judged(change=_with_event("passed", LINE.installed_system.events["passed"], later_s=2.0))
+    assert found.verdict == "INVALID"
+    assert "passed at stop 3 C at" in found.failures[0]
+
+
+def test_a_departure_that_the_controller_holds_back_fails_the_run() -> None:
+    (said,) = judged(with_stop(1, depart_s=(LINE.stops[1].depart_s or 0.0) - 20.0)).failures
+    assert said.startswith("stop 2 B: departure +20."), said
