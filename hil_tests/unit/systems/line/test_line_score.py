@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from hil_tests.support.line_records import Told, driven_run, milestones_in, trace_of
-from railhil.bus.codes import Event
+from railhil.bus.codes import ControllerFlag, Event
 from railhil.bus.telegrams import RunEvent
 from railhil.cli.result_printer import print_scores
 from railhil.common.output import Output
 from railhil.judge.score import Score
 from railhil.judge.stops import worst_stop
+from railhil.record.notes import WRAP_FAILURE
 from railhil.scenarios.load import load_any
 from railhil.systems.line.judge.course import course_of
 from railhil.systems.line.judge.invariants import limits_at
@@ -24,7 +25,7 @@ from railhil.systems.line.judge.milestones import milestones_of
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.judge.stop import LineStop
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
-from railhil.wire.ato import SimTruth
+from railhil.wire.ato import CtlStat, SimTruth
 from railhil.wire.line import AtpLim, AtpStat, DoorStat
 
 LINE, TOLD = driven_run()
@@ -326,3 +327,10 @@ def test_a_passing_where_the_train_was_not_is_a_contradiction() -> None:
 def test_a_departure_that_the_controller_holds_back_fails_the_run() -> None:
     (said,) = judged(with_stop(1, depart_s=(LINE.stops[1].depart_s or 0.0) - 20.0)).failures
     assert said.startswith("stop 2 B: departure +20."), said
+
+
+def test_a_wrap_of_the_controller_fails_the_run() -> None:
+    status = CtlStat(overflow_flags=ControllerFlag.WRAP)
+    found = score(LINE, trace_of(LINE, [*TOLD, Told(TOLD[-1].time_ns, CtlStat.PORT, status.encode())]))
+    assert (found.verdict, len(found.failures)) == ("FAIL", 1)
+    assert found.failures[0].startswith(WRAP_FAILURE)
