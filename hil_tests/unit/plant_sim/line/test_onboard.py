@@ -205,3 +205,15 @@ def test_a_train_that_its_protection_catches_rolls_no_further_than_the_judge_all
     driver.run(standing(driver))
     assert told(driver).cause == AtpCause.ROLL_AWAY
     assert 0.5 < train.position_01mm / 1e4 < ROLL_MAX_M
+
+
+def test_a_warning_of_the_protection_cuts_the_traction_of_a_train_at_full_power() -> None:
+    driver = begun(four_stops(signals=(RouteSignal(700.0, 400.0),)))
+    train, onboard = driver.train, driver.train.onboard
+    assert onboard is not None
+    train.journey.depart(train.tick)
+    frozen(driver)
+    driver.run(lambda: onboard.reaction > NO_REACTION)
+    assert onboard.reaction < EMERGENCY_BRAKE
+    driver.tick()
+    assert train.traction_n == 0.0
