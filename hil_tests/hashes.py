@@ -59,6 +59,7 @@ PERTURBED = (
     ("emu3", Run("emu3_short", 7)),
     ("stop", Run("yizhuang_stop_slide", 7)),
     ("stop", Run("yizhuang_stop_closed", 8)),
+    ("line", Run("four_stops", 7, faults=("dwell hold 20s @stop 2",))),
 )
 #: Named as a group: the catalogues of faults, each with the run of its system.
 FAULTS = "faults"
@@ -67,6 +68,7 @@ _FAULTY = {
     "hst1": Run("hst_short"),
     "emu3": Run("emu3_short"),
     "stop": Run("yizhuang_stop"),
+    "line": Run("four_stops"),
 }
 #: Named as a group: every scenario as it is shipped.
 SHIPPED = "shipped"

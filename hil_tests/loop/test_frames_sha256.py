@@ -17,7 +17,7 @@ from railhil.faults.language import parse
 _QUICK = {
     "yizhuang_05 ipfc_plus iq 7", "yizhuang_05 tpfc2 float64 7", "hst_short delay_gpc float64 7",
     "emu3_short pid_ff float32 7", "yizhuang_stop_slide ilc_stop iq 7", "faults yizhuang_05 T1",
-    "shipped lvshun_tieshan",
+    "shipped lvshun_tieshan", "faults four_stops D1",
 }  # fmt: skip
 
 
@@ -37,6 +37,7 @@ def test_a_fault_is_refused_only_where_it_cannot_be_injected() -> None:
         assert (known[name] == "refused") == (cannot or name in _OF_SEVERAL_UNITS), name
 
 
+@pytest.mark.timeout(900)
 @pytest.mark.faults
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in _QUICK else pytest.mark.long) for name in runs([])]

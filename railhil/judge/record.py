@@ -391,9 +391,7 @@ def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
         raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
     wanted_wire = int(trace.contract.sha256[:8], 16)
     if ident.wire_hash != wanted_wire:
-        raise InputError(
-            log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC that the record names)"
-        )
+        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC of the record)")
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
