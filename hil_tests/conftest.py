@@ -120,7 +120,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not all(shutil.which(name) for name in ("node", "npm")):
         missing["needs_node"] = "MISSING CAPABILITY node and npm"
     for item in items:
-        if item.get_closest_marker("slow") is not None and item.get_closest_marker("timeout") is None:
+        takes_long = any(item.get_closest_marker(mark) is not None for mark in ("slow", "long"))
+        if takes_long and item.get_closest_marker("timeout") is None:
             item.add_marker(pytest.mark.timeout(_SLOW_TIMEOUT_S))
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:
