@@ -95,7 +95,8 @@ class BrakedTrain(TrainOnBus):
     def _look(self, onboard: Onboard) -> None:
         """Let the train protection look; report a stronger reaction."""
         before, motion = onboard.reaction, self._motion
-        authority, locked = self.journey.authority(motion.position_m, self.tick), self.doors.are_locked
+        authority = self.journey.authority(motion.position_m, self.tick, self.doors.psd.is_locked)
+        locked = self.doors.are_locked
         held = self.holding.is_applied
         if onboard.look(self.tick, motion.position_m, motion.speed_mps, authority, locked, held):
             self._mark("atp")

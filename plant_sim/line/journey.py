@@ -56,8 +56,8 @@ class Journey:
         self._exchanged_tick: int | None = None
         #: To the section's end.
         self._authority: Authority | None = None
-        #: Signals of the section that the front has passed while they were clear.
-        self._passed_clear: set[RouteSignal] = set()
+        #: Signals of the section that the front has passed while they were clear, and platforms while they were locked.
+        self._passed_clear: set[RouteSignal | StationStop] = set()
 
     # -- the section --------------------------------------------------------------------------------------------------
 
@@ -222,17 +222,37 @@ class Journey:
             return self._scenario.sections[self.section + 1].leg
         return self.leg
 
-    def authority(self, position_m: float, tick: int) -> Authority:
+    @property
+    def passed_platforms(self) -> tuple[StationStop, ...]:
+        """The stops with platform doors that the train passes in this section."""
+        between = (
+            self.stops[self._scenario.sections[self.section].departure + 1 : self.arrival] if self.section >= 0 else ()
+        )
+        return tuple(stop for stop in between if stop.psd)
+
+    def authority(self, position_m: float, tick: int, are_platforms_locked: bool = True) -> Authority:
         """The authority that the track side gives: to the section's end, or to a red signal before it.
 
-        A signal that the front has passed while it was clear no longer counts; one that was passed red does.
+        A signal that the front has passed while it was clear no longer counts; one that was passed red does. A platform
+        on the way whose doors are not locked is a red signal a train's length before its stopping point.
+
+        :param are_platforms_locked: whether the doors of the platforms on the way are closed and locked.
         """
         stop = self.stop
         if self._authority is None:
             self._authority = Authority(stop.position_m + stop.eoa_overlap_m, stop.position_m + stop.svl_overlap_m)
-        if not self._scenario.signals:
+        platforms = self.passed_platforms
+        if not self._scenario.signals and not platforms:
             return self._authority
         now_s, red_m = tick * self._tick_s, [self._authority.eoa_m]
+        for platform in platforms:
+            begin_m = platform.position_m - self._scenario.train.length_m
+            if platform in self._passed_clear:
+                continue
+            if not are_platforms_locked:
+                red_m.append(begin_m)
+            elif begin_m < position_m:
+                self._passed_clear.add(platform)
         for one in self._scenario.signals:
             if one.leg != self.leg or not self._begin_m < one.position_m < self._authority.eoa_m:
                 continue

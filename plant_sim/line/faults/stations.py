@@ -114,7 +114,7 @@ class NotLocked(DoorFault):
 
     def note(self) -> None:
         doors = self.train.doors
-        is_there = doors.has_psd or self.doors != [doors.psd]
+        is_there = doors.has_psd or self.doors != [doors.psd] or bool(self.train.journey.passed_platforms)
         self.effect(self.active and is_there and self.in_state(LOCKED), "locked", "not locked")
 
 

@@ -157,6 +157,43 @@ def test_a_red_signal_in_the_section_ends_the_authority_of_a_train_that_passes_i
     assert journey.authority(0.0, 40_000) == Authority(1210.0, 1230.0)
 
 
+def with_platform_doors_at_a_passed_stop() -> LineScenario:
+    line = four_stops()
+    (passed,) = (number for number, stop in enumerate(line.stops) if stop.service == "pass")
+    stops = list(line.stops)
+    stops[passed] = replace(stops[passed], psd=True)
+    return replace(line, stops=tuple(stops))
+
+
+def test_platform_doors_on_the_way_that_are_not_locked_end_the_authority_before_their_platform() -> None:
+    line = with_platform_doors_at_a_passed_stop()
+    journey = begun(line).train.journey
+    (passed,) = (stop for stop in line.stops if stop.service == "pass")
+    begin_m = passed.position_m - line.train.length_m
+    journey.depart(0)
+    assert journey.passed_platforms == ()
+    journey.depart(0)
+    assert journey.passed_platforms == (passed,)
+    whole = journey.authority(begin_m - 1.0, 0, are_platforms_locked=True)
+    assert whole == journey.authority(begin_m - 1.0, 0)
+    ended = journey.authority(begin_m - 1.0, 0, are_platforms_locked=False)
+    assert (ended.eoa_m, ended.red_signal) == (begin_m, True)
+    # Of a train that has passed its end the authority stays ended; of one that was at the platform before, it does not.
+    assert journey.authority(begin_m + 1.0, 0, are_platforms_locked=False) == ended
+    assert journey.authority(begin_m + 1.0, 0, are_platforms_locked=True) == whole
+    assert journey.authority(begin_m + 1.0, 0, are_platforms_locked=False) == whole
+
+
+def test_a_train_stops_before_a_platform_on_the_way_whose_doors_lose_their_lock() -> None:
+    line = with_platform_doors_at_a_passed_stop()
+    (passed,) = (stop for stop in line.stops if stop.service == "pass")
+    driver = begun(line)
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+    driver.train.doors.psd.has_lost_lock = True
+    driver.run(lambda: "atp" in driver.kinds() and driver.train.is_standing)
+    assert driver.train.position_01mm < (passed.position_m - line.train.length_m + 20.0) * 1e4
+
+
 def test_a_signal_that_falls_red_behind_the_train_does_not_stop_it() -> None:
     driver = begun(four_stops(signals=(RouteSignal(300.0, 1.0),)))
     driver.run(lambda: driver.train.position_01mm > 4_000_000)
