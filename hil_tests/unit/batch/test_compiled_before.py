@@ -17,7 +17,9 @@ from railhil.scenarios.system import names, system_named
 def test_every_batch_is_compiled(tmp_path: Path) -> None:
     compile_batches(tmp_path)
     kernels = {system_named(load_any(name).system).kernel for name in BATCHES}
-    assert kernels == {system_named(name).kernel for name in names()}
+    every = {system_named(name).kernel for name in names()}
+    # A system without a batch has no kernel.
+    assert kernels == every - {None}
     modules = [import_module(str(kernel)) for kernel in kernels]
     loops = [one for one in FUNCTIONS if any(hasattr(module, one.name) for module in modules)]
     assert len(loops) >= len(modules)
