@@ -266,6 +266,24 @@ def test_the_service_brake_is_left_at_a_standstill() -> None:
     assert [text[:11] for text in found(of(1000))] == ["invariant 4", "invariant 4"]
 
 
+@pytest.mark.parametrize(("tick_of_zero", "is_refused", "rule_holds"), [
+    (43, False, True), (41, False, True), (39, False, True), (37, False, False), (43, True, False), (45, False, False),
+])  # fmt: skip
+def test_a_standstill_between_two_polls_ends_the_controllers_service_brake(
+    tick_of_zero: int, is_refused: bool, rule_holds: bool
+) -> None:
+    """A noisy sensor shows one standstill of a train that moves off; the poll has a level only each second tick. The
+    speed must have been accepted, after the poll before the level and before the one without it."""
+    story = Story(
+        controller_level=lambda tick: 3 if 40 <= tick < 44 else 0,
+        notch_256th=lambda tick: 0,
+        speed_01mmps=lambda tick: 0 if tick == tick_of_zero else 28,
+        check=lambda tick: 0 if is_refused and tick == tick_of_zero else 1,
+    )
+    said = found(story)
+    assert [text[:38] for text in said] == ([] if rule_holds else ["invariant 4: the controller left SERVI"])
+
+
 def test_a_level_left_in_a_gap_of_the_truth_is_unclear() -> None:
     """At a standstill it may be left at once; without SIM_TRUTH nobody knows whether the train stood."""
     story = Story(train_level=lambda tick: 3 if tick < 1 else 0, speed_01mmps=lambda tick: 100 * tick)

@@ -232,7 +232,8 @@ def _left_early(
     :param level: at each instant; -1: not known. The good telegrams of ``port`` are numbered in their order: ``first``
         is the first one that can count for a level entered at an instant, ``past`` the first that is too late for a
         level left.
-    :param standing: whether the train stands at each instant; a train that has stood at this level may leave any level.
+    :param standing: whether the train stands at each instant; a train that has stood at this level may leave any level,
+        also if it has stood between two instants only.
     """
     for index in np.flatnonzero(np.diff(level) < 0) + 1:
         left, entered = int(level[index - 1]), index - 1
@@ -249,7 +250,7 @@ def _left_early(
         count = int(past[index] - first[entered])
         rows = slice(entered, index + 1)
         # At a standstill SERVICE BRAKE is left at once, and a level may be left through it between two reports.
-        if count >= GOOD_NEEDED[left] or standing.stands[rows].any():
+        if count >= GOOD_NEEDED[left] or standing.stood(entered, index):
             continue
         said = f"{who} left {LEVELS[left]} at {time_s[index]:.2f} s"
         missing = unseen.count(port, time_s[entered - 1 if entered else 0], time_s[index])
@@ -258,7 +259,7 @@ def _left_early(
             yield f"{UNCLEAR}{said}, and no {standing.port} shows whether the train stood"
         elif count + missing >= GOOD_NEEDED[left]:
             yield f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, {missing} not in the record"
-        elif past[index] - first[begun] + missing >= GOOD_NEEDED[left]:
+        elif past[index] - first[begun] + missing >= GOOD_NEEDED[left] or standing.stood(begun, index):
             yield (
                 f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, needed {GOOD_NEEDED[left]}: "
                 "in real time it may have taken those before later than the recorder"
@@ -269,34 +270,57 @@ def _left_early(
 
 
 class Standing(NamedTuple):
-    """Whether the train stands at each of some instants, shape (n,), as ``port`` shows it; ``known``: where it does."""
+    """Whether the train stands at each of some instants, shape (n,), as ``port`` shows it; ``known``: where it does.
+
+    ``past``: how many telegrams that show a standstill came before each instant, ``first``: before the first telegram
+    that can count for a level entered at an instant.
+    """
 
     port: str
     stands: BoolArray
     known: BoolArray
+    first: IntArray
+    past: IntArray
+
+    def stood(self, entered: int, left: int) -> bool:
+        """Whether the train has stood at one of these instants or between two of them."""
+        return bool(self.stands[entered : left + 1].any() or self.past[left] > self.first[entered])
 
 
-def _standing(trace: Trace, port: str, signal: str, time_s: FloatArray, unseen: Unseen) -> Standing:
-    """The content of the newest telegram before each instant, if none is missing after it."""
-    told_s, raw = trace.times_s(port), trace.raw(port, signal)
+def _standing(
+    trace: Trace, port: str, signal: str, times: str, unseen: Unseen, item: Received | None = None
+) -> Standing:
+    """The content of the newest telegram before each telegram of ``times``, if none is missing after it, and the number
+    of telegrams that show a standstill before it.
+
+    :param item: declaration of the receiver: only telegrams that it accepts count; None: all.
+    """
+    time_s = trace.times_s(times)
+    taken = np.ones(trace.count(port), dtype=bool)
+    if item is not None:
+        taken[[number for number, _ in judged(trace, item)]] = False
+    told_s, raw, order = trace.times_s(port)[taken], trace.raw(port, signal)[taken], trace.order(port)[taken]
+    past = np.searchsorted(order[raw == 0], trace.order(times))
     if not len(raw):
-        return Standing(port, np.zeros(len(time_s), dtype=bool), np.zeros(len(time_s), dtype=bool))
+        nowhere = np.zeros(len(time_s), dtype=bool)
+        return Standing(port, nowhere, nowhere, past, past)
     index = np.searchsorted(told_s, time_s, side="right") - 1
     newest = np.maximum(index, 0)
     known = (index >= 0) & (time_s - told_s[newest] < 2 * unseen.period_s(port))
-    return Standing(port, (index >= 0) & (raw[newest] == 0), known)
+    return Standing(port, (index >= 0) & (raw[newest] == 0), known, past, past)
 
 
 def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: _LateUnseen) -> Iterator[str]:
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
 
-    TRN_SPEED tells whether the train stands; for a controller that hears none, the train does not stand.
+    An accepted TRN_SPEED tells whether the train stands, also one between two polls; for a controller that hears none,
+    the train does not stand.
     """
     time_s = trace.times_s(NotchCmd.PORT)
     past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
     first = np.concatenate([[0], past[:-1]])
-    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", time_s, unseen)
-    heard = standing._replace(known=np.ones_like(standing.known))
+    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", NotchCmd.PORT, unseen, items[TrnSpeed.PORT])
+    heard = standing._replace(known=np.ones_like(standing.known), first=np.concatenate([[0], standing.past[:-1]]))
     levels = _controller_levels(trace)
     yield from _left_early("the controller", time_s, levels, first, past, heard, TrnSpeed.PORT, unseen)
 
@@ -306,7 +330,7 @@ def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: _L
     told_s = trace.times_s(TrnWatch.PORT)
     # The order of the record counts: without the port that opens a tick, its report has the instant of the last poll.
     good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
-    standing = _standing(trace, SimTruth.PORT, "TrueSpeed", told_s, unseen)
+    standing = _standing(trace, SimTruth.PORT, "TrueSpeed", TrnWatch.PORT, unseen)
     yield from _left_early(
         "the train", told_s, _told_levels(trace), good, good, standing, NotchCmd.PORT, unseen
     )  # fmt: skip
