@@ -111,6 +111,8 @@ class System:
     export: str | None = None
     #: Path of its fault catalogue; without it the catalogue of ``ato`` is used.
     catalogue: str | None = None
+    #: Path of the requirements that ship with it (:func:`railhil.requirements.requirement.read_requirements`).
+    requirements: str | None = None
     #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
     faulty_plant: str | None = None
     fmu_plant: str | None = None

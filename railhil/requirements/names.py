@@ -1,0 +1,199 @@
+"""The names of a scenario's values: columns of ``signals.csv``, signals of the port table, scores, levels, events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from railhil.bus.schedule import Schedule
+from railhil.dbc import Contract, Signal
+from railhil.faults.model import WATCH_LEVELS
+from railhil.judge.criteria import STOP_ERROR_KEY
+from railhil.judge.declared import Watch, ranks, reports
+from railhil.judge.judging import Judging, judging_of
+from railhil.record.notes import ReportedNote, note_values
+from railhil.record.trace import FloatArray, Trace
+from railhil.requirements.grid import Grid, event_names
+from railhil.requirements.units import NUMBER, STEPS, Unit, unit_of
+
+Values: TypeAlias = Callable[[Grid], FloatArray]
+#: Resolution of places (m) and instants (s) in RUN_EVENT.
+_STAMP_STEP = 1e-4
+#: A value table with fewer words names exceptions of a number.
+_WORDS_MIN = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantity:
+    """A value of a sentence.
+
+    ``values``: from a grid, shape (ticks,), in ``unit``. ``step``: resolution on the wire, in ``unit``; 0: none.
+    ``periods_ns``: of the periodic ports that it comes from. ``words``: of a level, by word its value; ``ordered``: the
+    levels are those of a ladder. ``constant``: the value that never changes.
+    """
+
+    unit: Unit
+    values: Values
+    step: float = 0.0
+    periods_ns: Mapping[str, int] = field(default_factory=dict)
+    words: Mapping[str, int] = field(default_factory=dict)
+    ordered: bool = False
+    constant: Fraction | None = None
+
+
+def suffix_of(unit: str) -> str:
+    """The end of a column's name that tells its unit, such as ``_mps2``; empty for a number."""
+    found = unit.lower().replace("km/h", "kmh").replace("/s", "ps").replace("/", "_per_").replace("%", "percent")
+    return f"_{found}" if found and found != "1" else ""
+
+
+class Names:
+    """The names that sentences on runs of a scenario may use.
+
+    :param trace: of the record; one without telegrams before the run.
+    :param notes: the law's declaration of its notes, as in the certificate; None: not known.
+    """
+
+    def __init__(self, scenario: Any, trace: Trace, notes: Any = None) -> None:
+        self.scenario = scenario
+        self.contract: Contract = trace.contract
+        self.judging: Judging = judging_of(scenario)
+        self._trace, self._notes = trace, notes
+        timing = scenario.timing
+        self.tick_ns: int = timing.base_tick_ns
+        self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, self.contract)
+
+    @cached_property
+    def values(self) -> Mapping[str, Quantity]:
+        """The columns of ``signals.csv`` by name, with the end that tells the unit and without it."""
+        found: dict[str, Quantity] = {}
+        for name, quantity in self._columns():
+            for known in (name, name.removesuffix(suffix_of(quantity.unit.text))):
+                found.setdefault(known, quantity)
+        return found
+
+    def _columns(self) -> Iterator[tuple[str, Quantity]]:
+        judging, trace = self.judging, self._trace
+        for header, port, signal in (*judging.columns, *judging.shown):
+            if self.contract.has(port, signal):
+                yield header, self.signal(port, signal)
+        for watch in judging.watches:
+            if reports(trace, watch):
+                yield f"{watch.name}_level", self._level(watch)
+        for status in judging.status.every if judging.status else ():
+            for note in status.recorded(trace, self._notes):
+                yield note.name, self._note(status.port, note)
+        for header, port, _ in judging.told(trace, self._notes):
+            yield header, self._made(header, NUMBER, port, lambda grid: judging.told(grid.trace, self._notes))
+        for header, unit, _ in judging.reckoned(self.scenario, trace):
+            yield header, self._made(header, unit_of(unit), judging.truth, self._reckoned)
+        if (end_m := judging.ends_at_m(self.scenario)) is not None:
+            yield "board", constant(Fraction(repr(end_m)), unit_of("m"))
+
+    def _note(self, port: str, note: ReportedNote) -> Quantity:
+        def values(grid: Grid) -> FloatArray:
+            return grid.held(port, note_values(grid.trace, note, port))
+
+        return Quantity(unit_of(note.unit), values, note.scale, self.periods_ns(port))
+
+    def _made(self, header: str, unit: Unit, port: str, columns: Callable[[Grid], Iterable[Any]]) -> Quantity:
+        """A column that the system computes from the telegrams of a port."""
+
+        def values(grid: Grid) -> FloatArray:
+            return grid.held(port, next(found for name, _, found in columns(grid) if name == header))
+
+        return Quantity(unit, values, periods_ns=self.periods_ns(port))
+
+    def _reckoned(self, grid: Grid) -> Iterable[Any]:
+        return self.judging.reckoned(self.scenario, grid.trace)
+
+    def periods_ns(self, port: str) -> dict[str, int]:
+        """The period of a port that sends on it; none for one that sends when something happens."""
+        if self.contract.port(port).mode == "event" or port not in self._schedule.periods_ns:
+            return {}
+        return {port: self._schedule.ticks(port) * self.tick_ns}
+
+    def signal(self, port: str, name: str) -> Quantity:
+        """A signal of the port table.
+
+        :raises KeyError: there is no such port or signal.
+        """
+        entry: Signal = self.contract.port(port).signal(name)
+        words = {word: raw for raw, word in entry.values.items()} if not entry.unit else {}
+        if len(words) < _WORDS_MIN:
+            words = {}
+
+        def values(grid: Grid) -> FloatArray:
+            return grid.signal(port, name)
+
+        unit = STEPS if words else unit_of(entry.unit)
+        return Quantity(unit, values, entry.scale, self.periods_ns(port), words)
+
+    def _level(self, watch: Watch) -> Quantity:
+        words: dict[str, int] = {}
+        named = self.contract.port(watch.port).signal(watch.level).values
+        for rank, raw in enumerate(watch.ladder):
+            strength = watch.rungs[rank] if watch.rungs else rank
+            words.setdefault(named.get(raw, str(raw)), rank)
+            if strength < len(WATCH_LEVELS):
+                words.setdefault(WATCH_LEVELS[strength].lower().replace(" ", "_"), rank)
+
+        def values(grid: Grid) -> FloatArray:
+            return grid.held(watch.port, ranks(grid.trace, watch))
+
+        return Quantity(STEPS, values, 1.0, self.periods_ns(watch.port), words, ordered=True)
+
+    @cached_property
+    def levels(self) -> Mapping[str, list[Quantity]]:
+        """Words of the levels, each with the watches whose ladders have it."""
+        found: dict[str, list[Quantity]] = {}
+        for watch in self.judging.watches:
+            if reports(self._trace, watch):
+                level = self._level(watch)
+                for word in level.words:
+                    found.setdefault(word, []).append(level)
+        return found
+
+    @cached_property
+    def events(self) -> frozenset[str]:
+        """Milestones and faults."""
+        return frozenset(event_names(self.scenario))
+
+    @cached_property
+    def scores(self) -> Mapping[str, Quantity]:
+        """The scores, which a record has at the event to which they belong."""
+        found = {}
+        for criterion in self.judging.criteria:
+            if criterion.applies(self.scenario):
+                key, unit = criterion.signed or criterion.key, unit_of(criterion.unit)
+                step = _STAMP_STEP if criterion.unit in ("m", "s") else 0.0
+                name = key.removesuffix(suffix_of(criterion.unit))
+                found[name] = Quantity(unit, _score_values(key, name), step)
+        return found
+
+
+def _score_values(key: str, name: str) -> Values:
+    def values(grid: Grid) -> FloatArray:
+        """At the tick of each stop its own value; for a score without stops the run's at every tick."""
+        score = grid.record.score
+        own = {STOP_ERROR_KEY: "error_m", "time_error_s": "late_s"}.get(key)
+        if own is not None and score.stops:
+            found = np.full(grid.count, np.nan)
+            for stop in score.stops:
+                if stop.standstill is not None and (value := getattr(stop, own)) is not None:
+                    found[min(grid.tick_at(stop.standstill.instant_s), grid.count - 1)] = value
+            return found
+        value = score.signed[key] if key in score.signed else score.values.get(key)
+        return np.full(grid.count, np.nan if value is None else value)
+
+    return values
+
+
+def constant(value: Fraction, unit: Unit) -> Quantity:
+    """A value that never changes."""
+    return Quantity(unit, lambda grid: np.full(grid.count, float(value)), constant=value)

@@ -1,0 +1,165 @@
+"""What a run makes of each of its requirements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railhil.judge.record import Record
+from railhil.record.trace import Trace
+from railhil.requirements.bound import Bound
+from railhil.requirements.grid import Grid
+from railhil.requirements.names import Names
+from railhil.requirements.requirement import Requirement
+from railhil.requirements.robustness import LEAST
+from railhil.requirements.sentence import KEPT, SILENT, VIOLATED, BoundSentence
+
+NOT_JUDGED = "not judged"
+#: Unit of a margin over conditions of several dimensions, each divided by its scale.
+SCALED = "scaled"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A comparison of the sentence at the instant of the margin: its text, its own margin and the unit of that."""
+
+    text: str
+    margin: float | None
+    unit: str
+
+    def as_json(self) -> dict[str, Any]:
+        """As in ``score.json``."""
+        return {"text": self.text, "margin": self.margin, "unit": self.unit}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a record makes of a requirement.
+
+    ``verdict``: kept, violated, open (the end of the record comes before the decision), says nothing (its antecedent
+    was never met), not judged (a run with faults of a requirement for runs without, or an INVALID run). ``margin``: of
+    the worst case, in ``unit``; below 0 if violated; None: no case has one. ``instant_s``: the instant that makes it,
+    ``trigger_s``: at which that case began. ``antecedent_met``: number of times. ``slack``: what the slowest case left
+    of the longest allowed time ``allowed_s``, in s. ``parts``: the comparisons of its condition at ``instant_s``; of
+    the antecedent, where it was nearest, if that was never met. ``open_s``: begin of the first open case.
+    """
+
+    id: str
+    says: str
+    verdict: str
+    margin: float | None = None
+    unit: str = ""
+    instant_s: float | None = None
+    antecedent_met: int = 0
+    slack: float | None = None
+    parts: tuple[Part, ...] = ()
+    trigger_s: float | None = None
+    allowed_s: float | None = None
+    open_s: float | None = None
+    title: str = ""
+
+    @property
+    def kept(self) -> bool:
+        """Whether the run has kept it, and the record shows so."""
+        return self.verdict == KEPT
+
+    @property
+    def violated(self) -> bool:
+        """Whether the run has violated it."""
+        return self.verdict == VIOLATED
+
+    def as_json(self) -> dict[str, Any]:
+        """As in ``score.json``."""
+        return {
+            "id": self.id,
+            "says": self.says,
+            "title": self.title,
+            "verdict": self.verdict,
+            "margin": self.margin,
+            "unit": self.unit,
+            "instant_s": self.instant_s,
+            "trigger_s": self.trigger_s,
+            "antecedent_met": self.antecedent_met,
+            "slack": self.slack,
+            "allowed_s": self.allowed_s,
+            "open_s": self.open_s,
+            "parts": [part.as_json() for part in self.parts],
+        }
+
+
+def judge_requirements(record: Record, requirements: Iterable[Requirement]) -> tuple[Outcome, ...]:
+    """What a record makes of each requirement, in their order.
+
+    It is a function of the record, its scenario and the faults of its certificate: every transport gives the same
+    margins.
+
+    :raises InputError: a sentence does not fit the scenario.
+    """
+    found = tuple(requirements)
+    if not found:
+        return ()
+    if record.verdict == "INVALID":
+        return tuple(_not_judged(one) for one in found)
+    names = Names(record.scenario, Trace(record.trace.contract), record.certificate.get("notes"))
+    grid = Grid(record)
+    has_faults = bool(record.scenario.faults or record.certificate.get("injected"))
+    return tuple(
+        _not_judged(one) if has_faults and one.when == "none" else judge_one(one, one.bind(names), grid)
+        for one in found
+    )  # fmt: skip
+
+
+def _not_judged(requirement: Requirement) -> Outcome:
+    return Outcome(requirement.id, requirement.says, NOT_JUDGED, title=requirement.title)
+
+
+def judge_one(requirement: Requirement, sentence: BoundSentence, grid: Grid) -> Outcome:
+    """What the record of a grid makes of one requirement."""
+    found = sentence.on(grid)
+    condition, tick = sentence.condition, found.tick
+    if found.verdict == SILENT and sentence.given is not None:
+        condition, tick = sentence.given, _nearest(sentence.given, grid)
+    tick_s = grid.tick_ns / 1e9
+
+    def instant_s(tick: int) -> float | None:
+        return None if tick < 0 else tick * grid.tick_ns / 1e9
+
+    unit = sentence.condition.unit
+    return Outcome(
+        id=requirement.id,
+        says=requirement.says,
+        verdict=found.verdict,
+        margin=_number(found.margin),
+        unit=SCALED if unit is None else unit.name,
+        instant_s=instant_s(found.tick),
+        antecedent_met=found.met,
+        slack=None if found.spare is None else found.spare * grid.tick_ns / 1e9,
+        parts=_parts(condition, grid, tick),
+        trigger_s=instant_s(found.trigger),
+        allowed_s=None if found.allowed is None else found.allowed * tick_s,
+        open_s=instant_s(found.opened),
+        title=requirement.title,
+    )
+
+
+def _number(margin: float) -> float | None:
+    """A margin as a number; that of a comparison at its limit is 0."""
+    if not math.isfinite(margin):
+        return None
+    return 0.0 if abs(margin) <= LEAST else margin
+
+
+def _nearest(condition: Bound, grid: Grid) -> int:
+    """The tick at which a condition that never holds is nearest to it; -1: nothing is known of it."""
+    margins = condition.on(grid)
+    return -1 if np.isnan(margins).all() else int(np.nanargmax(margins))
+
+
+def _parts(condition: Bound, grid: Grid, tick: int) -> tuple[Part, ...]:
+    if tick < 0:
+        return ()
+    return tuple(Part(leaf.text, _number(float(leaf.on(grid)[tick])), leaf.unit.name) for leaf in condition.leaves)

@@ -1,0 +1,181 @@
+"""Requirements as data: the tables ``[[requirement]]`` and ``[define]`` of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.record.trace import Trace
+from railhil.requirements.names import Names
+from railhil.requirements.parser import parse_definition, parse_sentence
+from railhil.requirements.sentence import BoundSentence
+from railhil.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
+from railhil.scenarios.schema import Table, Text
+from railhil.scenarios.system import names as system_names
+from railhil.scenarios.system import system_named
+from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.validation import validate
+
+_SENTENCE_MAX = 1000
+Sayings = Annotated[str, Field(min_length=1, max_length=_SENTENCE_MAX)]
+
+
+class WhenTable(Table):
+    """``when``: the runs that a requirement is about."""
+
+    faults: Literal["any", "none"] = "any"
+
+
+class RequirementTable(Table):
+    """One ``[[requirement]]``."""
+
+    id: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$", max_length=40)]
+    says: Sayings
+    title: Annotated[str, Field(max_length=200)] = ""
+    note: Annotated[str, Field(max_length=1000)] = ""
+    source: Annotated[str, Field(max_length=500)] = ""
+    when: WhenTable = WhenTable()
+
+
+class RequirementsTable(Table):
+    """The tables of a file of requirements, or of the part of a scenario file."""
+
+    requirement: list[RequirementTable] = Field(default_factory=list)
+    define: dict[Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=80)], Text] = Field(
+        default_factory=dict
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """A sentence that runs have to keep.
+
+    ``when``: ``none``: only runs without faults have to. ``source``: where it comes from, or "chosen". ``file``: where
+    it stands. ``define``: the names of its file that sentences may use, with their texts.
+    """
+
+    id: str
+    says: str
+    title: str = ""
+    when: Literal["any", "none"] = "any"
+    note: str = ""
+    source: str = ""
+    file: str = ""
+    define: tuple[tuple[str, str], ...] = ()
+
+    def bind(self, names: Names) -> BoundSentence:
+        """The sentence with the names of a scenario.
+
+        :raises InputError: the names or units do not fit; the message has the part and the column.
+        """
+        try:
+            return BoundSentence(self.says, names, dict(self.define))
+        except SentenceError as error:
+            raise self.refused(error) from None
+
+    def refused(self, error: SentenceError) -> InputError:
+        """The error of its sentence in a line."""
+        return _refused(self.file or "requirement", f"requirement {self.id}", error)
+
+    def as_json(self) -> dict[str, Any]:
+        """As the tables of a file have it."""
+        return {
+            "id": self.id, "says": self.says, "title": self.title, "when": {"faults": self.when}, "note": self.note,
+            "source": self.source, "define": dict(self.define),
+        }  # fmt: skip
+
+
+def _refused(file: str | Path, key: str, error: SentenceError) -> InputError:
+    told = Sentence(f'"{error.text}" {error.problem}' if error.text else error.problem)
+    return InputError(file, key, None, told, f"column {error.column + 1}")
+
+
+def requirements_in(tables: Mapping[str, Any], file: str | Path) -> tuple[Requirement, ...]:
+    """The requirements of the tables ``requirement`` and ``define``.
+
+    :param file: where they stand, for errors.
+    :raises InputError: a key is unknown or missing, an id is given twice, or a sentence is not of the language.
+    """
+    found = validate(RequirementsTable, dict(tables), lambda keys: file)
+    for name, text in found.define.items():
+        _check_definition(name, text, file)
+    define, seen = tuple(found.define.items()), set[str]()
+    requirements = []
+    for one in found.requirement:
+        if one.id in seen:
+            raise InputError(file, "requirement.id", one.id, "an id that no other requirement has")
+        seen.add(one.id)
+        requirement = Requirement(
+            one.id, one.says, one.title, one.when.faults, one.note, one.source, str(file), define
+        )  # fmt: skip
+        try:
+            parse_sentence(one.says)
+        except SentenceError as error:
+            raise requirement.refused(error) from None
+        requirements.append(requirement)
+    return tuple(requirements)
+
+
+def _check_definition(name: str, text: str, file: str | Path) -> None:
+    if name in KEYWORDS or name in FUNCTIONS:
+        raise InputError(file, f"define.{name}", name, "a name that is no word of the language")
+    try:
+        parse_definition(text)
+    except SentenceError as error:
+        raise _refused(file, f"define.{name}", error) from None
+
+
+def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
+    """The requirements of a file, or those that ship with an installed system.
+
+    :param word: path of the file, or name of the system.
+    :raises InputError: there is no such file, it is damaged, it has no requirement, or a sentence is wrong: one line
+        with file, requirement and column.
+    """
+    path = Path(word)
+    if str(word) in system_names() and not path.is_file():
+        path = shipped_requirements(str(word))
+    elif not path.exists():
+        hint = did_you_mean(str(word), system_names())
+        raise InputError(path, "", Words("does not exist"), "a file of requirements, or the name of a system", hint)
+    with refuse_unreadable(path, "a TOML file of requirements"):
+        tables = parse_toml(given_text(path))
+    found = requirements_in(tables, path)
+    if not found:
+        raise InputError(path, "requirement", Words("is missing"), "at least one [[requirement]]")
+    return found
+
+
+def shipped_requirements(system: str) -> Path:
+    """The file that ships with a system.
+
+    :raises InputError: it has none.
+    """
+    path = system_named(system).optional_part("requirements")
+    if path is None:
+        raise InputError(f"system {system}", "requirements", Words("no such part"), "a file of requirements")
+    return Path(path)
+
+
+def check_requirements(requirements: Iterable[Requirement], scenario: Any) -> None:
+    """Check that the sentences fit a scenario: its names, units and periods, and ids that differ.
+
+    :raises InputError: one does not; one line with file, requirement and column.
+    """
+    found: Sequence[Requirement] = tuple(requirements)
+    if not found:
+        return
+    names = Names(scenario, Trace(scenario.installed_system.contract))
+    seen: dict[str, Requirement] = {}
+    for requirement in found:
+        if requirement.id in seen and requirement != seen[requirement.id]:
+            allowed = f"an id that no other requirement has; {seen[requirement.id].file} has it, too"
+            raise InputError(requirement.file, "requirement.id", requirement.id, allowed)
+        seen[requirement.id] = requirement
+        requirement.bind(names)
