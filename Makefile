@@ -22,13 +22,13 @@ HERE         = not needs_socketcan and not needs_docker
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + $(WORKERS))) --dist loadfile --no-loadscope-reorder
 WORKERS      = 1
 # The half of the tests on kernel SocketCAN that runs on a kernel of its own, by file.
-VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pairs
+VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pairs or test_gateway
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
 # `make help` lists what people use. The others are parts of it, which hosted CI calls one by one.
 PEOPLE = run test test-fast test-long lint docs figures release dbc lock install clean help
-.PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-docker test-docker-vcan test-compiled test-arm64 locked
+.PHONY: $(PEOPLE) test-here test-builds test-side-by-side test-long-side-by-side test-real-time test-vcan test-vcan-first test-vcan-second test-vcan-long test-docker test-docker-vcan test-compiled test-arm64 locked
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: RUN_ARGS = $(strip $(or $(ARGS),--controller ipfc_plus))
@@ -54,11 +54,11 @@ test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they
 	@$(PART) --counts $(COUNTS) --total 5
 
 # Tests that take minutes together and seldom fail: benchmarks, long comparisons of batch, bench and exported C, search
-# and training, and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
+# and training, emulated boards and containers on a kernel with CAN. `.ci/run` does a sample of it after `make test`.
 test-long: $(VENV)/.installed-dev  ## the long tests; SAMPLE=8: one of eight, those of the day
 	@rm -f $(COUNTS)
-	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan
-	@$(PART) --counts $(COUNTS) --total 2
+	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j2 -Otarget test-long-side-by-side test-docker-vcan test-vcan-long
+	@$(PART) --counts $(COUNTS) --total 3
 
 # The tests that a developer runs all day: a file at a time on each core, without tests that are slow or need a machine.
 test-fast: WORKERS = 0
@@ -73,22 +73,24 @@ test-here: $(VENV)/.installed-dev
 test-side-by-side: $(VENV)/.installed-dev
 	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
 
-test-long-side-by-side: export RAILHIL_SAMPLE = $(if $(SAMPLE),$(SAMPLE) $(DAY))
-test-long-side-by-side: OF_DAY = $(if $(SAMPLE), (one of $(SAMPLE): those of $(DAY)))
+test-long-side-by-side test-vcan-long: export RAILHIL_SAMPLE = $(if $(SAMPLE),$(SAMPLE) $(DAY))
+test-long-side-by-side test-vcan-long: OF_DAY = $(if $(SAMPLE), (one of $(SAMPLE): those of $(DAY)))
 test-long-side-by-side: $(VENV)/.installed-dev
 	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "long tests$(OF_DAY)" $(SIDE_BY_SIDE) -m "$(HERE) and long"
 
 test-real-time: $(VENV)/.installed-dev
 	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
 
-# On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian).
-test-vcan test-vcan-first test-vcan-second: $(VENV)/.installed-dev
+# On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian), where the long tests are left out.
+test-vcan test-vcan-first test-vcan-second test-vcan-long: $(VENV)/.installed-dev
 	@$(PART) $(BEHIND) --tool can-utils --tool compilers --tool emulation "kernel SocketCAN$(HALF)" $(BIN)/python -m hil_tests.transport.vcan $(VCAN)
 
 test-vcan-first: HALF = , first half
 test-vcan-first: VCAN = -k "$(VCAN_FIRST)"
 test-vcan-second: HALF = , second half
 test-vcan-second: VCAN = -k "not ($(VCAN_FIRST))"
+test-vcan-long: HALF = , long tests$(OF_DAY)
+test-vcan-long: VCAN = --long
 
 # docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
 test-docker: $(VENV)/.installed-dev

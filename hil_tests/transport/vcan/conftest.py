@@ -1,4 +1,4 @@
-"""Fixtures of the tests on kernel SocketCAN: short runs, their reference bytes, can-utils, and a check of the bus after
+"""Fixtures of the tests on kernel SocketCAN: a short run, its reference bytes, can-utils, and a check of the bus after
 every test."""
 
 from __future__ import annotations
@@ -19,45 +19,23 @@ from railhil.systems.ato.scenario.target import Target
 from railhil.testing.result import disturbed
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
-#: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; the train departs and
-#: stops.
-_MOVE = TargetCurve(((0.0, 0.0), (2.0, 0.8), (6.0, 0.8), (8.0, 0.0), (10.0, 0.0), (12.0, -0.8)))
-#: A hop of 8.5 s and 12 m, for tests that only need a run in progress.
+#: A hop of 8.5 s and 12 m. Short, because the machine is slow; the train departs, coasts and stops.
 _HOP = TargetCurve(((0.0, 0.0), (1.0, 0.8), (3.0, 0.8), (4.0, 0.0), (5.0, 0.0), (6.0, -0.8)))
-
-
-def _planned(lvshun: Scenario, curve: TargetCurve, stop_error_max_m: float) -> Scenario:
-    target = Target(curve)
-    plan = dataclasses.replace(
-        lvshun.plan,
-        distance_m=target.stop_position_m,
-        running_time_s=target.stop_time_s,
-        stop_error_max_m=stop_error_max_m,
-    )
-    return dataclasses.replace(lvshun, target=curve, plan=plan)
-
-
-@pytest.fixture(scope="session")
-def move(lvshun: Scenario) -> Scenario:
-    """The short move with the published train."""
-    return _planned(lvshun, _MOVE, 2.0)
 
 
 @pytest.fixture(scope="session")
 def hop(lvshun: Scenario) -> Scenario:
     """The hop with the published train, which cannot stop accurately after so short a distance."""
-    return _planned(lvshun, _HOP, 5.0)
-
-
-@pytest.fixture(scope="session")
-def reference(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
-    """The short move with seed 1, without a bus: log, hash and notches that every transport must give."""
-    return local_run(move, tmp_path_factory.mktemp("reference"), RunSpec(seed=1))
+    target = Target(_HOP)
+    plan = dataclasses.replace(
+        lvshun.plan, distance_m=target.stop_position_m, running_time_s=target.stop_time_s, stop_error_max_m=5.0
+    )
+    return dataclasses.replace(lvshun, target=_HOP, plan=plan)
 
 
 @pytest.fixture(scope="session")
 def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Result:
-    """The hop with seed 1, without a bus."""
+    """The hop with seed 1, without a bus: log, hash and notches that every transport must give."""
     return local_run(hop, tmp_path_factory.mktemp("hop"), RunSpec(seed=1))
 
 

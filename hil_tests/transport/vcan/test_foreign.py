@@ -25,32 +25,32 @@ pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")
-def program(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """IPFC for the short move; not optimised, because the machine is slow."""
+def program(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """IPFC for the hop; not optimised, because the machine is slow."""
     export = tmp_path_factory.mktemp("export")
-    export_node(move, export)
+    export_node(hop, export)
     return build_node(export, flags=("-std=c99", "-O0"))
 
 
 def test_foreign_controller_sends_the_same_frames_on_vcan(
-    program: Path, move: Scenario, reference: Result, folder: Path
+    program: Path, hop: Scenario, hop_reference: Result, folder: Path
 ) -> None:
     """Every frame of the record but CTL_STAT is that of our node; nothing is lost or refused."""
     command = [str(program), "can", "vcan0"]
-    result, exit_codes = run_on(socketcan(), move, folder, controller_command=command)
+    result, exit_codes = run_on(socketcan(), hop, folder, controller_command=command)
     said = (folder / "controller.txt").read_text()
     assert (result.line, exit_codes) == ("", [0, 0]), said
     assert result.score.verdict == "PASS"
     assert disturbed(result.recorder_counters) == disturbed(counters_of(folder, "plant")) == {}
     assert said.strip().endswith("control periods, run event 4"), said
-    assert reference.log is not None
-    assert without_status(folder / "frames.log") == without_status(reference.log)
-    assert len(set(reference.commands("notch"))) > 10
+    assert hop_reference.log is not None
+    assert without_status(folder / "frames.log") == without_status(hop_reference.log)
+    assert len(set(hop_reference.commands("notch"))) > 10
 
 
 @pytest.mark.parametrize("language", ["Python", "C"])
 def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(
-    move: Scenario, language: str, tmp_path: Path
+    hop: Scenario, language: str, tmp_path: Path
 ) -> None:
     """The controllers of docs/reference/wire.md, tuned for the published run: only their frames are compared."""
     examples, dbc, program = ROOT / "docs/examples/wire", str(ROOT / "dbc/railhil.dbc"), str(tmp_path / "controller")
@@ -64,7 +64,7 @@ def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(
             command = [program, {"socketcan": "can", "railhil": "hub"}[config["interface"]], config["channel"]]
             if language == "Python":
                 command = [sys.executable, str(examples / "controller.py"), *config.values(), dbc]
-            result, exit_codes = run_on(config, move, folder, controller_command=command)
+            result, exit_codes = run_on(config, hop, folder, controller_command=command)
             assert (result.trusted, exit_codes) == (True, [0, 0]), (folder / "controller.txt").read_text()
             hashes.add(result.frames_sha256)
     assert len(hashes) == 1

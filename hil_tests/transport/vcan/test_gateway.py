@@ -66,11 +66,11 @@ def gateway() -> Iterator[Gateway]:
             print(said.read_text())
 
 
-def test_run_through_the_gateway_gives_the_bytes_of_every_other_transport(gateway, move, reference, folder):
-    result, exit_codes = run_on(socketcan("vcan0"), move, folder, controller_config=socketcan("vcan1"))
+def test_run_through_the_gateway_gives_the_bytes_of_every_other_transport(gateway, hop, hop_reference, folder):
+    result, exit_codes = run_on(socketcan("vcan0"), hop, folder, controller_config=socketcan("vcan1"))
     assert (result.line, exit_codes) == ("", [0, 0])
     assert [disturbed(counters_of(folder, role)) for role in ("controller", "plant")] == [{}, {}]
-    assert result.frames_sha256 == reference.frames_sha256
+    assert result.frames_sha256 == hop_reference.frames_sha256
     first, second = gateway.end()
     assert first.startswith("railhil hub: port socketcan:vcan0: ")
     assert second.startswith("railhil hub: port socketcan:vcan1: ")

@@ -36,8 +36,9 @@ NODES = ("controller", "plant")
 _CAN_FRAME = struct.Struct("=IB3x8s")
 
 
+@pytest.mark.long
 def test_published_run_gives_the_bytes_of_every_other_transport(lvshun, folder):
-    """195 s, 98 000 frames. It stops 0.219 m short, where the scenario allows 0.3 m. Left out in a virtual machine."""
+    """195 s, 98 000 frames. It stops 0.219 m short, where the scenario allows 0.3 m."""
     result, exit_codes = run_on(socketcan(), lvshun, folder, seed=0)
     assert (result.exit_code, exit_codes) == (PASS, [0, 0])
     found = [result.recorder_counters, *(counters_of(folder, role) for role in NODES)]
