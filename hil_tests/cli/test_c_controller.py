@@ -70,6 +70,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.fixture(scope="module")
+def exported(folder: Path) -> str:
+    """The export of a law in the folder."""
+    assert railhil("export-c", "ipfc", "fast.toml", "--out", "ipfc", cwd=folder).exit_code == 0
+    return "ipfc/"
+
+
 def words(controller: str, out: str, *options: str) -> tuple[str, ...]:
     return ("run", "fast.toml", "--controller", controller, "--bus", "local", "--quiet", "--no-report", "--out", out,
             *options)  # fmt: skip
@@ -92,6 +99,7 @@ def given(record: Path) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.long
 def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path) -> None:
     page = (ROOT / "docs/howto/controllers.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"## In C or C\+\+\n\n```sh[^\n]*\n(.*?)```", page, re.DOTALL)
@@ -197,12 +205,11 @@ def test_a_program_built_without_railhil_is_asked_for_on_the_hub(folder: Path, s
     assert (folder / "hub/frames.log").read_bytes() == (folder / "record/frames.log").read_bytes()
 
 
-def test_the_folder_of_an_export_runs_as_the_controller(folder: Path) -> None:
-    assert railhil("export-c", "ipfc", "fast.toml", "--out", "ipfc", cwd=folder).exit_code == 0
-    assert run(folder, "ipfc/", "exported").exit_code in (0, 1)
+def test_the_folder_of_an_export_runs_as_the_controller(folder: Path, exported: str) -> None:
+    assert run(folder, exported, "exported").exit_code in (0, 1)
     assert run(folder, "ipfc", "law").exit_code in (0, 1)
     assert without_status(folder / "exported/frames.log") == without_status(folder / "law/frames.log")
-    refused = railhil("run", "yizhuang_05", *words("ipfc/", "no5")[2:], cwd=folder)
+    refused = railhil("run", "yizhuang_05", *words(exported, "no5")[2:], cwd=folder)
     assert (refused.exit_code, "scenario differs" in refused.err) == (2, True)
 
 
@@ -288,11 +295,12 @@ def test_a_system_that_exports_no_c_is_refused_with_what_works(tmp_path: Path) -
     assert (done.exit_code, said in done.one_line(), list(tmp_path.iterdir())) == (2, True, [])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scenario", "body"),
     [
         ("hst_short", "0.9f * (in->ref1 - in->speed) + 0.3f"),
-        pytest.param("yizhuang_stop", "in->sent_u * 0.5f - in->speed1 * 0.03f", marks=pytest.mark.long),
+        ("yizhuang_stop", "in->sent_u * 0.5f - in->speed1 * 0.03f"),
     ],
 )
 def test_other_systems_have_their_own_readings(scenario: str, body: str, tmp_path: Path) -> None:
@@ -311,9 +319,8 @@ def test_other_systems_have_their_own_readings(scenario: str, body: str, tmp_pat
     assert logs[0] == logs[1]
 
 
-def test_a_difference_in_the_handshake_is_named(folder: Path) -> None:
-    assert railhil("export-c", "ipfc", "fast.toml", "--out", "by_time", cwd=folder).exit_code == 0
-    done = run(folder, "by_time/", "distance", "--indexing", "distance")
+def test_a_difference_in_the_handshake_is_named(folder: Path, exported: str) -> None:
+    done = run(folder, exported, "distance", "--indexing", "distance")
     assert done.exit_code == 2
     assert "indexing differs" in done.one_line()
 
@@ -328,6 +335,7 @@ def test_c_that_was_saved_after_it_was_named_is_not_built(folder: Path, tmp_path
         named.sources(load("lvshun_tieshan"), LawSpec.of_given(named))
 
 
+@pytest.mark.long
 def test_a_build_knows_the_variables_that_change_it_and_no_others(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -343,7 +351,7 @@ def test_a_build_knows_the_variables_that_change_it_and_no_others(
 
 @pytest.mark.parametrize(
     "controller",
-    ["./mine", "loops.py:step", pytest.param("qemu:./mine", marks=pytest.mark.needs_qemu)],
+    ["./mine", "loops.py:step", pytest.param("qemu:./mine", marks=[pytest.mark.needs_qemu, pytest.mark.long])],
 )
 def test_nothing_is_left_of_a_command_that_is_killed(folder: Path, tmp_path: Path, controller: str) -> None:
     """While the code of the user loops."""

@@ -64,6 +64,7 @@ def frames(folder: Path, port: str) -> list[str]:
     return [line for line in lines if f" {identifier}" in line]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("version", VERSIONS)
 def test_an_fmu_of_another_tool_is_the_controller(folder: Path, version: str) -> None:
     (folder / version).mkdir()
@@ -146,16 +147,21 @@ def test_each_word_of_the_wire_is_that_of_a_reading_or_command(name: str) -> Non
         quantities_of(terms, words)
 
 
-@pytest.mark.parametrize("bus", [("--bus", "local"), ()])
-@pytest.mark.parametrize(
-    ("fault", "said"),
-    [
-        (1, "answer, notch: found nan, allowed a finite number"),
-        (2, "refuses the step of 0.5 s at 0 s"),
-        (3, "control period 1: its process was killed by SIGSEGV"),
-        (4, "control period 1: no answer within 1 s"),
-    ],
-)
+FAULTY = [
+    (1, "answer, notch: found nan, allowed a finite number"),
+    (2, "refuses the step of 0.5 s at 0 s"),
+    (4, "control period 1: no answer within 1 s"),
+    (3, "control period 1: its process was killed by SIGSEGV"),
+]
+#: In one process, and on a bus, where one of them is enough for most days.
+FAULTY_RUNS = [
+    *((*one, ("--bus", "local")) for one in FAULTY),
+    *(pytest.param(*one, (), marks=pytest.mark.long) for one in FAULTY[:-1]),
+    (*FAULTY[-1], ()),
+]
+
+
+@pytest.mark.parametrize(("fault", "said", "bus"), FAULTY_RUNS)
 def test_a_faulty_fmu_is_one_line(folder: Path, mine: Path, fault: int, said: str, bus: tuple[str, ...]) -> None:
     names = folder / f"fault{fault}.toml"
     names.write_text(fmus.CONTROLLER_MAP.format(fault=fault), encoding="utf-8")

@@ -55,18 +55,31 @@ def _run(scenario: str | Path, out: Path, *words: str | Path) -> Done:
     return railhil("run", scenario, "--bus", "local", "--no-report", "--quiet", "--out", out, *words)
 
 
-def test_the_whole_published_run_is_equal_on_a_board_and_can_be_made_again(tmp_path: Path) -> None:
+@pytest.mark.long
+def test_the_whole_published_run_is_equal_on_a_board(tmp_path: Path) -> None:
     assert railhil("export-c", "ipfc", "--out", tmp_path / "ipfc").exit_code == 0
-    board = ("--controller", f"qemu:{tmp_path / 'ipfc'}")
-    assert _run("lvshun_tieshan", tmp_path / "board", *board).exit_code == 0
+    assert _run("lvshun_tieshan", tmp_path / "board", "--controller", f"qemu:{tmp_path / 'ipfc'}").exit_code == 0
     assert _run("lvshun_tieshan", tmp_path / "node").exit_code == 0
     notches = _frames(tmp_path / "board", "110")
     assert len(notches) == 9804
     assert notches == _frames(tmp_path / "node", "110")
     target = read_target(tmp_path / "board")
     assert target is not None
-    assert target.instructions is not None
     assert target.control_periods == 393
+
+
+def test_a_run_is_equal_on_a_board_and_can_be_made_again(short: Path, tmp_path: Path) -> None:
+    assert railhil("export-c", "ipfc", short, "--out", tmp_path / "ipfc").exit_code == 0
+    board = ("--controller", f"qemu:{tmp_path / 'ipfc'}")
+    assert _run(short, tmp_path / "board", *board).exit_code in (0, 1)
+    assert _run(short, tmp_path / "node").exit_code in (0, 1)
+    notches = _frames(tmp_path / "board", "110")
+    assert len(set(notches)) > 20
+    assert notches == _frames(tmp_path / "node", "110")
+    target = read_target(tmp_path / "board")
+    assert target is not None
+    assert target.instructions is not None
+    assert 20 < target.control_periods < 100
     assert 500 < target.instructions.min <= target.instructions.median <= target.instructions.max < 5000
     assert target.stack_used_octets is not None
     assert 200 < target.stack_used_octets < target.stack_octets
@@ -91,6 +104,7 @@ def test_the_whole_published_run_is_equal_on_a_board_and_can_be_made_again(tmp_p
     assert "target: found" in edited.out + edited.err
 
 
+@pytest.mark.long
 def test_a_learning_law_on_a_board_has_the_bytes_of_the_node(tmp_path: Path) -> None:
     """Another system, over its interface: every frame, the law's notes among them."""
     assert railhil("export-c", "ilc_stop", "yizhuang_stop", "--out", tmp_path / "ilc").exit_code == 0
@@ -108,6 +122,7 @@ def test_a_run_of_the_yizhuang_line_is_equal_on_a_board(tmp_path: Path) -> None:
     assert _frames(tmp_path / "board", "110") == _frames(tmp_path / "node", "110")
 
 
+@pytest.mark.long
 def test_a_law_and_its_export_on_a_board_are_compared(short: Path, tmp_path: Path) -> None:
     assert railhil("export-c", "ipfc", short, "--out", tmp_path / "ipfc").exit_code == 0
     laws = f"ipfc,qemu:{tmp_path / 'ipfc'},{tmp_path / 'ipfc'}/"
@@ -186,6 +201,7 @@ def test_when_a_board_fails_the_train_stops_by_its_own_watch(
     assert "train's EMERGENCY" in done.out
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.parametrize(
     ("body", "words"),
     [
@@ -218,6 +234,7 @@ def test_a_board_that_fails_before_the_handshake_is_one_line(
     assert "hard fault at 0x0000" in done.err
 
 
+@pytest.mark.long
 def test_the_catalogue_of_node_faults_holds_on_a_board(tmp_path: Path) -> None:
     assert railhil("export-c", "ipfc", "--out", tmp_path / "ipfc").exit_code == 0
     words = ("--bus", "local", "--no-report", "--only", "N1,N2,N3,N4", "--controller", f"qemu:{tmp_path / 'ipfc'}")

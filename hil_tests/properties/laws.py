@@ -53,14 +53,17 @@ class LawProperties:
     equal_share_min: ClassVar[float] = 0.99
     #: Arithmetic of its batches; in fixed point too, which is long for a law that takes long to compile there.
     batched: ClassVar[str] = "iq"
+    #: Whether its batches are compiled in long tests only: another law has the same kinds of operations.
+    is_batch_long: ClassVar[bool] = False
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
         """Set-points by time and by distance, for a law that supports both; the arithmetics of its batches."""
         if "indexing" in metafunc.fixturenames:
             metafunc.parametrize("indexing", self.kind().indexings)
         if "batched" in metafunc.fixturenames:
+            first = pytest.param(self.batched, marks=[pytest.mark.long] if self.is_batch_long else [])
             fixed_point = [pytest.param("iq", marks=pytest.mark.long)] if self.batched != "iq" else []
-            metafunc.parametrize("batched", [self.batched, *fixed_point])
+            metafunc.parametrize("batched", [first, *fixed_point])
 
     @classmethod
     def kind(cls) -> type[Law[Any, Any]]:

@@ -57,10 +57,12 @@ class TestIpfc(PredictiveProperties):
 
 class TestTpfc1(PredictiveProperties):
     law = "tpfc1"
+    is_batch_long = True
 
 
 class TestTpfc2(PredictiveProperties):
     law = "tpfc2"
+    is_batch_long = True
 
 
 class TestTdmc(LawProperties):
@@ -81,6 +83,7 @@ class TestIpfcPlus(LawProperties):
 
 class TestIpfcPlusStop(LawProperties):
     law = "ipfc_plus_stop"
+    is_batch_long = True
     scenario = "lvshun_tieshan_worn_wheels"
     notch_raw_error_max = 2e-4
 
