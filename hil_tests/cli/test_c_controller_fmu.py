@@ -54,6 +54,7 @@ def test_the_fmu_is_valid_and_has_the_readings_and_commands_of_the_header(folder
     assert [one.name for one in variables if one.causality == "output"] == ["notch"]
 
 
+@pytest.mark.long
 def test_the_same_files_give_the_same_bytes(folder: Path) -> None:
     file = folder / "mine/build/mine.fmu"
     before = file.read_bytes()
@@ -73,6 +74,7 @@ def test_the_fmu_sends_the_notches_of_the_folder(folder: Path) -> None:
     assert notches(folder / "as_fmu") == notches(folder / "as_c")
 
 
+@pytest.mark.long
 def test_another_importer_gets_the_commands_and_a_run_begins_anew_after_a_reset(folder: Path, tmp_path: Path) -> None:
     file = folder / "mine/build/mine.fmu"
     description = fmpy.read_model_description(str(file))
@@ -127,6 +129,7 @@ def test_without_fmpy_there_is_no_folder(monkeypatch: pytest.MonkeyPatch) -> Non
         controller_files("mine", "lvshun_tieshan", fmu=True)
 
 
+@pytest.mark.long
 def test_the_fmu_of_another_system_sends_the_commands_of_its_folder(tmp_path: Path) -> None:
     assert railhil("new", "c-controller", "mine", "--fmu", "--scenario", "hst_short", cwd=tmp_path).exit_code == 0
     source = tmp_path / "mine/mine.c"

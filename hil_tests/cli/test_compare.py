@@ -251,6 +251,7 @@ def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -
     assert 'class="first best"' not in page
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Compared, tmp_path: Path) -> None:
@@ -287,6 +288,7 @@ def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: P
     assert "compare.json: has no JSON object" in railhil("report", tmp_path).one_line()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

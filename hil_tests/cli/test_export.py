@@ -61,7 +61,7 @@ def _same_as_printed(found: npt.NDArray[np.float64], printed: npt.NDArray[np.flo
     np.testing.assert_array_equal([float(f"{value:.10g}") for value in found], printed)
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 def test_two_exports_are_equal(here: Railhil, run: railhil.Outcome, monkeypatch: pytest.MonkeyPatch) -> None:
     import asammdf.blocks.v4_blocks as blocks

@@ -134,6 +134,7 @@ def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
     assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.loop
 def test_run_that_ignores_sighup_goes_on_without_its_terminal(tmp_path):
@@ -190,6 +191,7 @@ def test_disk_that_is_full_in_the_run(tmp_path):
     assert not {"certificate.json", "score.json"} & {path.name for path in kept.iterdir()}
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("size_kib", [4, 100])
 def test_disk_without_room_for_a_run(tmp_path, size_kib):

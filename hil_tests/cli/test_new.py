@@ -218,6 +218,7 @@ def test_their_tests_pass(made: Path, law_site: Path, system_site: Path) -> None
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mysystem", site=system_site)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_law_of_the_system_is_tuned(made: Path, system_site: Path, tmp_path: Path) -> None:
     scenario, file = made / "mysystem" / "mysystem.toml", tmp_path / "hold.toml"
@@ -244,6 +245,7 @@ def test_waits(bench):
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_users_test_cannot_wait_for_a_truth_that_the_system_does_not_name(
     made: Path, system_site: Path, tmp_path: Path

@@ -30,6 +30,7 @@ def test_a_new_line_explains_each_value_and_says_where_all_keys_stand(here, tmp_
     assert silent == []
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("kind", FILES)
 def test_a_line_of_a_file_is_a_pass_by_the_commands_that_are_proposed(kind, here, tmp_path):
     source, options, note = FILES[kind]

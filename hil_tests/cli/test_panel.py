@@ -181,6 +181,7 @@ def test_the_certificate_makes_the_same_run_again(run, tmp_path):
     assert again.log.path.read_bytes() == (run["folder"] / "frames.log").read_bytes()
 
 
+@pytest.mark.long
 def test_the_fault_language_answers_in_one_line(run):
     assert "did you mean loss?" in run["TRN_SPEED lost"]
     assert run["NOTCH_CMD loss 5%"] == "✓ NOTCH_CMD loss 5%"
@@ -192,6 +193,7 @@ def test_the_pages_ask_nobody_else(run):
     assert run["errors"] == []
 
 
+@pytest.mark.long
 def test_two_pages_see_the_train(run):
     assert all(re.fullmatch(r"\d+\.\d\d km/h", text) for text in run["speed"])
     assert run["stats"]["rows"] > 10

@@ -104,6 +104,7 @@ def test_fmus_that_cannot_be_these_trains_are_refused(unit: Path, library: Path,
     assert plant_twice(run.load(), run) == (None, "not checked: a process can have only one instance of it")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_is_made_again_and_replayed_with_the_fmu_on_the_command_line(
     here: Railhil, unit: Path, library: Path, tmp_path: Path
@@ -132,6 +133,7 @@ def test_a_run_is_made_again_and_replayed_with_the_fmu_on_the_command_line(
         assert message in refused.err
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_an_fmu_that_differs_from_time_to_time_is_in_the_certificate(here: Railhil, tmp_path: Path) -> None:
     fmu = fmus.packed(tmp_path / "train.fmu", fmus.description(), fmus.compiled_train(tmp_path, "-DDRIFT"))

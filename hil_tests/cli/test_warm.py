@@ -44,7 +44,7 @@ def test_a_signal_ends_that_process_only(tmp_path: Path) -> None:
     assert railhil("--version").exit_code == 0
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "words",

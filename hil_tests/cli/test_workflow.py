@@ -124,6 +124,7 @@ def test_bench_step_leaves_law_and_arithmetic_to_the_system() -> None:
     assert {inputs[name]["default"] for name in ("controller", "arithmetic")} == {""}
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "value"), [("scenario", "$(touch broken)"), ("parameters", "none.toml")])
 def test_bench_step_fails_when_the_run_does(tmp_path, name, value):

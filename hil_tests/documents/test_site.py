@@ -82,6 +82,7 @@ def test_every_link_and_part_of_the_site_is_there(site: Path) -> None:
     assert (lost, seen > 1000) == ([], True)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("link", ["howto/none.md", "howto/task.md#nowhere", "#nowhere", "../none.md"])
 def test_a_link_that_leads_nowhere_is_an_error(tmp_path: Path, link: str, capfd: pytest.CaptureFixture[str]) -> None:
     docs = tmp_path / "docs"

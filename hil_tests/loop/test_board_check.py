@@ -42,6 +42,7 @@ def test_our_node_passes() -> None:
     assert done.json["latency_ms"]["NOTCH_CMD"]["min"] > 0
 
 
+@pytest.mark.long
 @pytest.mark.needs_compiler
 def test_the_node_of_an_export_passes(tmp_path: Path) -> None:
     export_node(load("lvshun_tieshan"), tmp_path)
@@ -50,6 +51,7 @@ def test_the_node_of_an_export_passes(tmp_path: Path) -> None:
     assert "law: ipfc, arithmetic: iq, indexing: time" in done.out
 
 
+@pytest.mark.long
 @pytest.mark.needs_compiler
 def test_the_c_controller_of_somebody_passes(tmp_path: Path) -> None:
     program = tmp_path / "controller"

@@ -222,6 +222,7 @@ def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel").tolist()) <= {0, 1, 2, 3}
 
 
+@pytest.mark.long
 @pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.loop

@@ -35,6 +35,7 @@ def work_and_bounds_kj(run: Record) -> tuple[float, float, float]:
     return traction_work_kj(run.trace), bounds[0], bounds[1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_on_a_curve_that_coasts_stops_as_well_and_needs_less_work(tmp_path: Path) -> None:
     normal, economy = (record_of("yizhuang_12", profile, tmp_path) for profile in (NORMAL, ECONOMY))

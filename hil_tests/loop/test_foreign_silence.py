@@ -42,7 +42,7 @@ def exported(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return folder
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("ticks", "level"),
@@ -131,7 +131,7 @@ class Twins:
         assert self.c.level == self.node.guard.level
 
 
-@pytest.mark.long_after(3)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("silent_ms", "level"),

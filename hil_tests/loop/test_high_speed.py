@@ -90,6 +90,7 @@ def test_no_controller_has_a_mailbox_for_the_mutation(name: str) -> None:
     assert {*node.responder.store.ports} == names
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(

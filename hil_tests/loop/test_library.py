@@ -220,6 +220,7 @@ def test_a_campaign_names_its_arguments(tmp_path: Path, given: dict, line: str) 
     assert not (tmp_path / "campaign").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_campaign_without_laws_has_the_law_of_the_system(tmp_path: Path) -> None:
     found = railhil.campaign("hst_short", runs=1, out=tmp_path / "campaign")

@@ -146,6 +146,7 @@ class StopsAfter(Observer):
             signal.raise_signal(signal.SIGINT)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_that_is_stopped_at_any_poll_has_lost_nothing(short: Path, tmp_path: Path) -> None:
     """Also where the poll of SUP_CMD follows a TIME_SYNC; the check of every test in this folder reads the counters."""

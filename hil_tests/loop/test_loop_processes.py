@@ -243,6 +243,7 @@ sys.meta_path.insert(0, Busy)
 """
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("hub", "codes"), [("late", (0, 1)), ("dead", (2,))])
 def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypatch, hub, codes):

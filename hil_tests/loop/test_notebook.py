@@ -138,6 +138,7 @@ def test_runs_of_two_scenarios_are_not_compared(outcome: railhil.Outcome, tmp_pa
         railhil.compare([])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_campaign_shows_the_tables_of_the_terminal_and_the_distributions(
     outcome: railhil.Outcome, tmp_path: Path

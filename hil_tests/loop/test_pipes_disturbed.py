@@ -80,7 +80,7 @@ def test_a_plant_that_stands_still_changes_nothing(tmp_path: Path) -> None:
     assert same.log.path.read_bytes() == run.log.read_bytes()
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("what", ["plant", "controller", "supervisor", "full disk"])
 def test_what_dies_at_any_instant_ends_the_run(tmp_path: Path, what: str) -> None:
     """With a stranger that holds both ends of every pipe: a pipe then never looks as if its node had gone."""

@@ -61,6 +61,7 @@ def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path
     assert first_s(made, TrnWatch.PORT, "WatchLevel", WatchLevel.EMERGENCY) is None
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "raw"), [("speed value -1 @8s for 200ms", -10_000), ("speed value 800 @8s for 200ms", 8_000_000)]

@@ -155,6 +155,7 @@ def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
     assert run.score.values["stop_error_m"] < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
@@ -179,6 +180,7 @@ def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel")[-10:]) == {3}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> None:
     by_distance = run_with(tmp_path / "d", TrnPos, silent(60), controller="tdmc", indexing="distance")

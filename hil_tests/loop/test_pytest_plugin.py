@@ -218,6 +218,7 @@ def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:
     done.stdout.fnmatch_lines(["*frames were lost, refused or out of order*wrong_check_sequence 3*"])
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("marker", "line"),

@@ -244,6 +244,7 @@ def test_an_emergency_command_needs_no_confirmation(safe: Scenario) -> None:
     assert levels[0] == WatchLevel.EMERGENCY
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.faults
 def test_a_controller_that_restarts_in_motion_brakes_and_is_believed(tmp_path: Path) -> None:

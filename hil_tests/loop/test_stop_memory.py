@@ -61,7 +61,7 @@ def error_m(run: SequenceRun) -> float:
     return error
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize(
     ("bad", "fault"),
     [
@@ -80,6 +80,7 @@ def test_a_detected_fault_costs_nothing_while_the_other_slot_is_good(bad: Memory
     assert (run.record.runs, run.record.last_run) == (9, 9)
 
 
+@pytest.mark.long
 def test_without_a_good_slot_it_learns_again_within_5_runs() -> None:
     runs = runs_from_9(memory(MemoryPlace("A", None, "crc", ""), MemoryPlace("B", None, "json", "")), 6)
     assert [status(run) for run in runs] == [(0, FAULTS["crc"]), *[(1, 0), (2, 0)] * 2, (1, 0)]

@@ -159,6 +159,7 @@ def test_from_standstill_the_train_starts_accelerates_and_stops(tmp_path: Path) 
     assert 4.0 < max(run.trace.values("TRUTH", "TrueSpeed")) < 5.0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_announced_low_adhesion_chooses_the_planned_rate() -> None:
     settings = (*SHORT, "task.start_m=2580", "task.rail.slide_share=1", "task.rail.adhesion_mps2=[0.58, 0.58]")
@@ -176,6 +177,7 @@ def test_announced_low_adhesion_chooses_the_planned_rate() -> None:
     assert rates_mps2[1] < 0.65
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_every_command_runs_it_in_the_arithmetic_of_the_system(tmp_path: Path) -> None:
     for command in ("faults", "compare"):
@@ -204,6 +206,7 @@ def test_three_processes_over_the_hub_send_the_same_bytes_and_rerun_repeats_them
     assert railhil("rerun", tmp_path / "local").exit_code == 0
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.needs_compiler
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float32"])

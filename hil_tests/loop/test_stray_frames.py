@@ -102,6 +102,7 @@ def test_one_frame_lost(short: Scenario, run: Result) -> None:
         assert same_or_invalid(short, run, record[:place] + record[place + 1 :]).verdict == run.score.verdict
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "after"),

@@ -147,7 +147,7 @@ def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
     return dict(counted)
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_path: Path, seed: int) -> None:
     copy = tmp_path / "c"
@@ -177,6 +177,7 @@ def test_the_c_node_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> N
         twins(copy, folder, seed)
 
 
+@pytest.mark.long
 def test_the_c_node_of_a_table_with_names_of_its_own_answers_as_ours(site: Path, tmp_path: Path) -> None:
     """Values that are called like a macro and like an enumerator of the files around the law."""
     folder = tmp_path / "c"

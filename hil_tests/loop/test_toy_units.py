@@ -89,7 +89,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return install_toy(tmp_path_factory.mktemp("toy"))
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("unit", [0, 1])
 @pytest.mark.parametrize(
     ("what", "refused"),
@@ -125,6 +125,7 @@ count = 5
 """
 
 
+@pytest.mark.long
 @pytest.mark.faults
 def test_faults_of_a_unit_are_injected_alike_over_the_hub_and_in_process(site: Path, tmp_path: Path) -> None:
     path = tmp_path / "faulty.toml"

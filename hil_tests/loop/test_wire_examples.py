@@ -91,6 +91,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.needs_compiler
 @pytest.mark.parametrize("name", ["", "ATO of somebody"])
 def test_the_c_controller_has_a_verdict_under_its_own_name(program: Path, name: str, tmp_path: Path) -> None:

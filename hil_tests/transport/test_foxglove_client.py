@@ -37,6 +37,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "client.cjs"
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("subprotocol", SUBPROTOCOLS)
 def test_lichtblicks_client_reads_values_clock_and_service(client, tmp_path, subprotocol):
     run = Recorded(tmp_path)

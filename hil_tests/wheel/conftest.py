@@ -20,11 +20,10 @@ _BACKEND = "import setuptools.build_meta as build, sys; print(getattr(build, 'bu
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """The files of a release, and the wheel built from the source archive."""
+    """The files of a release."""
 
     wheel: Path
     sdist: Path
-    wheel_of_sdist: Path
     #: That of the commit from which they were built.
     version: str
 
@@ -85,8 +84,12 @@ def built(archive: Path, tmp_path_factory: pytest.TempPathFactory) -> Built:
         subprocess.run([*own, *words], cwd=source, check=True)
     head = subprocess.run(["git", "rev-parse", "--short=7", "HEAD"], cwd=source, check=True, capture_output=True)
     version = f"{project()['version']}+g{head.stdout.decode().strip()}"
-    wheel, sdist = _build(source, "wheel", folder / "wheel"), _build(source, "sdist", folder / "sdist")
+    return Built(_build(source, "wheel", folder / "wheel"), _build(source, "sdist", folder / "sdist"), version)
+
+
+@pytest.fixture
+def wheel_of_sdist(built: Built, tmp_path: Path) -> Path:
+    """The wheel built from the source archive."""
     # The filters of shutil and tarfile are not in every Python 3.11.
-    subprocess.run(["tar", "-xf", sdist, "-C", folder], check=True)
-    unpacked = folder / sdist.name.removesuffix(".tar.gz")
-    return Built(wheel, sdist, _build(unpacked, "wheel", folder / "again"), version)
+    subprocess.run(["tar", "-xf", built.sdist, "-C", tmp_path], check=True)
+    return _build(tmp_path / built.sdist.name.removesuffix(".tar.gz"), "wheel", tmp_path / "again")

@@ -87,6 +87,7 @@ def test_an_editable_installation_has_new_folders_and_runs_the_tests(environment
     assert " passed" in environment.run("python", *words, cwd=tree)
 
 
+@pytest.mark.long
 def test_a_tree_on_the_path_takes_no_package_from_an_installed_railhil(tree: Path, tmp_path: Path) -> None:
     look = "import importlib, sys; print(*(importlib.import_module(name).__file__ for name in sys.argv[1:]))"
     words = [sys.executable, "-c", look, *(f"{OURS}.{name}" for name in ("common", *AT_TOP))]

@@ -135,7 +135,7 @@ CATALOGUE: dict[str, tuple[Orders, float]] = {
 }
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_time_goes_on_in_lockstep_and_the_record_is_the_same_each_time(hub, scenario, tmp_path, name) -> None:

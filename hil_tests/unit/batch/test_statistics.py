@@ -36,6 +36,7 @@ def energy_tolerance_kj(found: list[float]) -> float:
     return NORMAL_95 * hypot(of_sample, of_reference)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "arithmetic", ["iq", *(pytest.param(one, marks=pytest.mark.long) for one in ("float64", "float32"))]

@@ -12,6 +12,7 @@ from railhil.scenarios.load import load_any
 pytest.importorskip("daqp", reason="MISSING CAPABILITY daqp")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_is_measured_and_the_jerk_limit_seen() -> None:
     scenario = load_any("emu3_short", ["task.duration_s=40"])

@@ -10,6 +10,7 @@ from railhil.scenarios.load import load
 SCENARIO = load("lvshun_tieshan")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_published_comfort_and_energy_are_not_reached_together() -> None:
     plain, shaken = (alternating_run(SCENARIO, notches) for notches in (0.0, 4.0))

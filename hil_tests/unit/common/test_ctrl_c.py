@@ -48,7 +48,7 @@ def test_ctrl_c_while_the_modules_load(tmp_path, monkeypatch, module):
     _stopped(done)
 
 
-@pytest.mark.long_after(4)
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("module", [*outside.NODES.values(), *outside.PROGRAMS.values()], ids=str)
 def test_ctrl_c_on_the_way_into_another_program(module):

@@ -158,6 +158,7 @@ def test_a_file_that_does_not_compile_is_one_line_and_leaves_nothing(folder: Pat
     assert list((mine / "build").iterdir()) == []
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.needs_qemu
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["cortex_m4f", "cortex_m3"])

@@ -199,6 +199,7 @@ EQUIVALENT = {
 }
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("subject", "sweep"), [(module, sweep_module), (timestamp, sweep_timestamp)])
 def test_every_mutant_is_noticed(subject: ModuleType, sweep: Any) -> None:

@@ -56,6 +56,7 @@ def test_it_is_what_railhil_new_law_writes(tmp_path: Path) -> None:
     assert written.read_text("utf-8") == EXAMPLE.read_text("utf-8"), "copy it to docs/examples"
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq", "float32"])
 def test_it_brings_the_train_to_its_stop_in_every_arithmetic(arithmetic: str) -> None:

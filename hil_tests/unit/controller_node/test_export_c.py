@@ -173,6 +173,7 @@ def test_the_million_is_a_million() -> None:
     assert len(KINDS) * TRAINS * PERIODS >= 1_000_000
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_reach_every_output(kind: str) -> None:

@@ -333,6 +333,7 @@ def test_life_signs_are_judged_as_ours(mvb: ctypes.CDLL) -> None:
             assert mvb.life(last, life) == kinds[sign.judge(life)]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
     """Any identifier, length and content, half of them with correct check sequences: no undefined behaviour, no invalid

@@ -31,7 +31,7 @@ def _constant(name: str, value: float, q: int) -> Constant:
     return Constant(name, value, q)
 
 
-@pytest.mark.long_after(3)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable", "float64", "float32"])
 @pytest.mark.parametrize("indexing", ["time", "distance"])

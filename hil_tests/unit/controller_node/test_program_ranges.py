@@ -217,6 +217,7 @@ def test_a_law_without_known_state_bounds_has_none() -> None:
     assert analyse_law(record(SCENARIO, LawSpec()), {}, WIRE).may_wrap
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:

@@ -40,6 +40,7 @@ def option(words: list[str], name: str) -> str:
     return words[words.index(name) + 1]
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "seconds"),
@@ -73,6 +74,7 @@ def test_the_compose_file_tells_all_roles_of_the_panel() -> None:
     assert "CATALOGUE: ${CATALOGUE:-}" in text
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("role", "names", "logs"),

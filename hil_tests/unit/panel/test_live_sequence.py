@@ -85,6 +85,7 @@ def test_the_page_of_a_sequence_is_served_as_soon_as_a_run_has_ended(
     assert len(served) == 2
 
 
+@pytest.mark.long
 def test_runs_beside_each_other_learn_only_if_they_are_of_one_sequence(sequence: Path) -> None:
     scenario = load_any("yizhuang_stop")
     first, second = (str(sequence / name) for name in ("run001", "run002"))

@@ -30,7 +30,7 @@ def reports(published_run: SharedRuns, tmp_path_factory: pytest.TempPathFactory)
     return found
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("name", ["one", "many"])

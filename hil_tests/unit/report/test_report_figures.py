@@ -293,6 +293,7 @@ def test_without_scripts_the_curves_are_there(opened: tuple[Any, str, list[str]]
     context.close()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.needs_browser
 def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
@@ -321,6 +322,7 @@ def test_narrow_dark_and_printed(opened: tuple[Any, str, list[str]]) -> None:
     page.close()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_runs_of_a_law_with_other_parameters_or_arithmetic_are_distributions_of_their_own(run: Record) -> None:
     tuned = {"sha256": "1a2b3c4d" + "0" * 56, "training": {"seeds": [1]}}

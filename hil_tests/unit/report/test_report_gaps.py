@@ -181,6 +181,7 @@ _OTHERS = {
 _OTHER_FROM_S, _OTHER_TO_S = 4.0, 6.0
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("system", _OTHERS)
 def test_no_figure_of_another_system_has_a_line_over_a_gap(system: str, tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from railhil.tuning.trials import Trials
 TUNED = [(name, law) for name in ("stop", "hst1") for law in system_named(name).law_names()]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "law", "candidate", "terms"),

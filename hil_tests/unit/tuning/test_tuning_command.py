@@ -61,6 +61,7 @@ def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     assert other.default.scores == run_batch(case, (2, 3)).scores
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
     quick: Path, short: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -143,6 +143,7 @@ def test_no_traction_next_to_the_stop() -> None:
     assert stopping.notch_raw == rolling.notch_raw
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(name: str) -> None:
@@ -150,6 +151,7 @@ def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(na
     stops_in_fixed_point("fuzzy_pid", name, "distance", 1)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_rules_help_the_train() -> None:
     """Against the same PID with its gains held in the middle."""

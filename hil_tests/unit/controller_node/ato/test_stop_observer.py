@@ -105,7 +105,7 @@ def observed(scenario: Scenario, arithmetic: str) -> Any:
     return raw(one.gain, ACCEL_Q) / 2**ACCEL_Q, raw(one.lag, UNIT_Q) / 2**UNIT_Q, raw(one.delay, UNIT_Q) / 2**UNIT_Q
 
 
-@pytest.mark.long_after(3)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 @pytest.mark.parametrize(("pole", "delay_s"), [(0.85, 0.11), (1.15, 0.11), (1.0, 0.2), (1.0, 0.02), (0.85, 0.02)])

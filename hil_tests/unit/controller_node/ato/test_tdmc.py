@@ -152,6 +152,7 @@ def run(**changes: float) -> Any:
     ).score
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_train_needs_the_ramp_in_the_correction() -> None:
     with_ramp, without = run(), run(correction_ramp=0.0)
@@ -161,6 +162,7 @@ def test_train_needs_the_ramp_in_the_correction() -> None:
     assert without.values["itae"] > 5 * with_ramp.values["itae"]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_with_set_points_over_distance_within_the_limits_of_speed(name: str) -> None:

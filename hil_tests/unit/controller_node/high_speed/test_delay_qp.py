@@ -140,6 +140,7 @@ def test_the_jerk_limit_holds_in_every_command_but_not_in_an_emergency() -> None
     assert steps.min() < -100
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_limit_of_the_coupler_force_holds_without_losing_the_target() -> None:
     """Traction and braking that act against each other in the program would make it believe in forces that the train
@@ -164,6 +165,7 @@ def test_the_last_digits_of_a_constant_target_do_not_matter() -> None:
     assert np.ptp(found) < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_work_of_the_traction_can_cost() -> None:
     free, dear = (ran("hst_short", 40, energy_weight=weight).score.values for weight in (0.0, 0.005))

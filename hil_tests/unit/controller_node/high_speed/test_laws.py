@@ -163,6 +163,7 @@ def test_our_law_follows_the_emergency_profile_and_stands_at_its_end():
     assert found.commands_mps2[-1] <= -0.3
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_identification_error_of_002_lets_the_train_run_away():
     scenario = load_any("hst_short", ["task.duration_s=400"])
@@ -177,6 +178,7 @@ def test_the_residual_tracks_the_curve():
     assert replace(found, errors_kmh=found.errors_kmh * 2).rmse_kmh == pytest.approx(2 * found.rmse_kmh)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_printed_identification_does_not_beat_none_in_the_emergency():
     scenario = load_any("jinan_xuzhou_emergency")

@@ -148,6 +148,7 @@ def test_sequential_training_against_matrices(network: Network) -> None:
     assert all(math.isclose(row[i], covariance[i, i], rel_tol=1e-9) for i, row in enumerate(state.covariance))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_sequential_training_in_single_precision_stays_close(network: Network) -> None:
     rows = samples(300, 6)

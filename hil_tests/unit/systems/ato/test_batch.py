@@ -326,7 +326,7 @@ CREEPING = (
 )
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "law", "arithmetic", "seed"), CREEPING)
 def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed):

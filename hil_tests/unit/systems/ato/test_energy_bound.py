@@ -38,6 +38,8 @@ def test_the_shortest_time_of_each_section_is_the_golden_one(number: int) -> Non
     assert shortest_time_s(section(number)) == pytest.approx(GOLDEN[number - 1]["shortest_s"], abs=1e-3)
 
 
+@pytest.mark.slow
+@pytest.mark.long_after(6)
 @pytest.mark.parametrize("kind", ["ideal", "comfort"])
 @pytest.mark.parametrize("number", NUMBERS)
 def test_the_bound_of_each_section_is_the_golden_one(number: int, kind: Kind) -> None:
@@ -47,6 +49,7 @@ def test_the_bound_of_each_section_is_the_golden_one(number: int, kind: Kind) ->
         assert value_kj == pytest.approx(golden[f"{kind}_kJ"], rel=ALLOWED)
 
 
+@pytest.mark.long_after(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS)
 def test_dual_and_feasible_value_agree_in_the_return_direction(number: int) -> None:
@@ -148,7 +151,7 @@ def bound(line: Line, distance_m: float, share: float, kind: Kind) -> EnergyBoun
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(line=LINES, distance_m=st.floats(250.0, 500.0), share=st.floats(1.02, 1.6), more=st.floats(0.02, 0.4))
 def test_the_dual_value_is_below_the_feasible_one_and_more_time_costs_no_more(
     line: Line, distance_m: float, share: float, more: float
@@ -162,7 +165,7 @@ def test_the_dual_value_is_below_the_feasible_one_and_more_time_costs_no_more(
 
 
 @pytest.mark.slow
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(line=LINES, distance_m=st.floats(250.0, 500.0), share=st.floats(1.05, 1.4))
 def test_comfort_costs_no_less_than_the_ideal_driving_of_the_same_time(
     line: Line, distance_m: float, share: float

@@ -93,7 +93,7 @@ WAYS = {
 }
 
 
-@pytest.mark.long_after(4)
+@pytest.mark.long_after(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("by_distance", [False, True])

@@ -41,6 +41,7 @@ def coasted(scenario: Scenario) -> TargetCurve:
     return generate(scenario.line, scenario.train, scenario.plan.distance_m, scenario.plan.running_time_s, COAST)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_coasting_saves_work_on_every_section_of_yizhuang() -> None:
     """112 % of the comfortable bound over the line, 125 % on each section (bar 10), at the times of the timetable."""
@@ -54,6 +55,7 @@ def test_coasting_saves_work_on_every_section_of_yizhuang() -> None:
     assert total_kj <= 1.08 * GOLDEN["total"]["comfort_kJ"]
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [3, 5, 11, 12])
 def test_coasting_saves_work_in_the_return_direction(number: int) -> None:

@@ -56,6 +56,7 @@ def check(
     return found
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_repeats")
 @pytest.mark.parametrize("law", [pytest.param(law, marks=() if law in _QUICK else pytest.mark.long) for law in LAWS])
@@ -108,6 +109,7 @@ def test_an_emergency_is_that_of_the_bench(at_km: float) -> None:
     assert np.isfinite(found.values["emergency_stop_m"]).all()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_in_which_a_watch_acts_is_repeated_one_by_one() -> None:
     """The brake does a fifth of what it is told: the watch gives it up."""

@@ -42,6 +42,7 @@ def chromium() -> Iterator[Any]:
         found.close()
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("name", ["one", "two"])
 def test_no_text_lies_on_another_and_nothing_is_fetched(pages: dict[str, Path], name: str) -> None:
     found = asked(pages[name], TEXTS_OF_CHARTS)
@@ -49,6 +50,7 @@ def test_no_text_lies_on_another_and_nothing_is_fetched(pages: dict[str, Path], 
     assert found["texts"] > 100
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("name", ["one", "two"])
 def test_everybody_can_read_the_page(pages: dict[str, Path], chromium: Any, name: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()

@@ -149,6 +149,7 @@ class Branching(OneShot[Any]):
         return state, answer
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_laws_that_differ_in_more_than_constants_are_run_one_by_one_and_it_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
