@@ -81,7 +81,8 @@ class Judging:
     ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
     ``advice``: (recorded run, report folder) -> advice after a FAIL. ``extras``: figures of every score that are 0 in a
     good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values. ``shown``:
-    further columns for the panel only, as ``columns``.
+    further columns for the panel only, as ``columns``. ``quantities``: further names of requirements, as ``reckoned``
+    (:mod:`railhil.requirements.names`).
 
     For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
     a line with the place of the train; ``strip``: names of the columns that it draws over the line, of one unit; empty:
@@ -115,6 +116,7 @@ class Judging:
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
     reckoned: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
+    quantities: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
     shown: tuple[tuple[str, str, str], ...] = ()
     watches: tuple[Watch, ...] = ()
     interlocks: tuple[Interlocks, ...] = ()
@@ -141,7 +143,9 @@ def judging_of(scenario: AnyScenario) -> Judging:
             judging = replace(judging, received=lambda scenario: interface_received(interface))
     if isinstance(scenario, UnknownScenario):
         watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
-        judging = replace(judging, reckoned=_nothing, ends_at_m=_no_place, places=_nothing, watches=watches)
+        judging = replace(
+            judging, reckoned=_nothing, quantities=_nothing, ends_at_m=_no_place, places=_nothing, watches=watches
+        )
     return judging
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn, TypeAlias
 
@@ -180,13 +181,16 @@ class Expressions:
         if word.kind == NUMBER:
             return self._number()
         if self._takes("-"):
+            if self._next.kind == NUMBER:
+                number = self._number()
+                return syntax.Number(word.column, number.after, -number.value, number.unit)
             of = self._value(self._deeper(self._factor))
-            zero = syntax.Number(word.column, word.column, Fraction(-1), "")
-            return syntax.Arithmetic(word.column, of.after, "*", zero, of)
+            turned = syntax.Number(word.column, word.column, Fraction(-1), "")
+            return syntax.Arithmetic(word.column, of.after, "*", turned, of)
         if self._takes("("):
             found = self._deeper(self.either)
             self._expect(")")
-            return found
+            return replace(found, column=word.column, after=self._words[self._place - 1].after)
         if word.kind == NAME and word.text in FUNCTIONS and self._words[self._place + 1].text == "(":
             return self._call()
         found = self._name("a value")

@@ -66,9 +66,12 @@ class Grid:
 
     def signal(self, port: str, signal: str) -> FloatArray:
         """A signal in its unit at each tick; NaN where it is not known, and if this record's contract lacks it."""
-        if not self.trace.has(port, signal):
-            return np.full(self.count, np.nan)
-        return self.held(port, self.trace.values(port, signal))
+        found = self.kept.get((port, signal))
+        if found is None:
+            known = self.trace.has(port, signal)
+            found = self.held(port, self.trace.values(port, signal)) if known else np.full(self.count, np.nan)
+            self.kept[port, signal] = found
+        return found
 
     def _reception(self, port: str) -> tuple[Ticks, Ticks]:
         """Instants in ns of the accepted and of the refused telegrams of a port, each in order.
@@ -146,4 +149,4 @@ class Grid:
 def event_names(scenario: Any) -> list[str]:
     """The events that a record of this scenario may have, without the levels of its watches."""
     own = scenario.installed_system.events
-    return [*(kind.name.lower() for kind in Event), *own, "fault", "fault_end"]
+    return [*(kind.name.lower() for kind in Event if kind), *own, "fault", "fault_end"]

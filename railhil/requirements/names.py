@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,6 +24,9 @@ from railhil.requirements.units import NUMBER, STEPS, Unit, unit_of
 Values: TypeAlias = Callable[[Grid], FloatArray]
 #: Resolution of places (m) and instants (s) in RUN_EVENT.
 _STAMP_STEP = 1e-4
+_TIME_ERROR_KEY = "time_error_s"
+#: Scores that each stop has for itself, with their attributes there.
+_OF_STOPS = {STOP_ERROR_KEY: "error_m", _TIME_ERROR_KEY: "late_s"}
 #: A value table with fewer words names exceptions of a number.
 _WORDS_MIN = 2
 
@@ -49,7 +52,7 @@ class Quantity:
 def suffix_of(unit: str) -> str:
     """The end of a column's name that tells its unit, such as ``_mps2``; empty for a number."""
     found = unit.lower().replace("km/h", "kmh").replace("/s", "ps").replace("/", "_per_").replace("%", "percent")
-    return f"_{found}" if found and found != "1" else ""
+    return f"_{found}" if found and found not in ("1", STEPS.text) else ""
 
 
 class Names:
@@ -90,8 +93,10 @@ class Names:
                 yield note.name, self._note(status.port, note)
         for header, port, _ in judging.told(trace, self._notes):
             yield header, self._made(header, NUMBER, port, lambda grid: judging.told(grid.trace, self._notes))
-        for header, unit, _ in judging.reckoned(self.scenario, trace):
-            yield header, self._made(header, unit_of(unit), judging.truth, self._reckoned)
+        for columns in (judging.reckoned, judging.quantities):
+            for header, unit, _ in columns(self.scenario, trace):
+                made = partial(_titled, columns, self.scenario)
+                yield header, self._made(header, unit_of(unit), judging.truth, made)
         if (end_m := judging.ends_at_m(self.scenario)) is not None:
             yield "board", constant(Fraction(repr(end_m)), unit_of("m"))
 
@@ -108,9 +113,6 @@ class Names:
             return grid.held(port, next(found for name, _, found in columns(grid) if name == header))
 
         return Quantity(unit, values, periods_ns=self.periods_ns(port))
-
-    def _reckoned(self, grid: Grid) -> Iterable[Any]:
-        return self.judging.reckoned(self.scenario, grid.trace)
 
     def periods_ns(self, port: str) -> dict[str, int]:
         """The period of a port that sends on it; none for one that sends when something happens."""
@@ -144,7 +146,10 @@ class Names:
                 words.setdefault(WATCH_LEVELS[strength].lower().replace(" ", "_"), rank)
 
         def values(grid: Grid) -> FloatArray:
-            return grid.held(watch.port, ranks(grid.trace, watch))
+            found = grid.kept.get(watch.name)
+            if found is None:
+                found = grid.kept[watch.name] = grid.held(watch.port, ranks(grid.trace, watch))
+            return found
 
         return Quantity(STEPS, values, 1.0, self.periods_ns(watch.port), words, ordered=True)
 
@@ -167,29 +172,39 @@ class Names:
     @cached_property
     def scores(self) -> Mapping[str, Quantity]:
         """The scores, which a record has at the event to which they belong."""
-        found = {}
-        for criterion in self.judging.criteria:
-            if criterion.applies(self.scenario):
-                key, unit = criterion.signed or criterion.key, unit_of(criterion.unit)
-                step = _STAMP_STEP if criterion.unit in ("m", "s") else 0.0
-                name = key.removesuffix(suffix_of(criterion.unit))
-                found[name] = Quantity(unit, _score_values(key, name), step)
-        return found
+        given = {one.signed or one.key: one.unit for one in self.judging.criteria if one.applies(self.scenario)}
+        if STOP_ERROR_KEY in given:
+            # Each stop of a timetable has its own, whether or not it is a criterion of the run.
+            given.setdefault(_TIME_ERROR_KEY, "s")
+        return {
+            key.removesuffix(suffix_of(unit)): Quantity(
+                unit_of(unit), _score_values(key), _STAMP_STEP if unit in ("m", "s") else 0.0
+            )
+            for key, unit in given.items()
+        }
 
 
-def _score_values(key: str, name: str) -> Values:
+def _titled(columns: Callable[[Any, Trace], Sequence[Any]], scenario: Any, grid: Grid) -> Iterable[Any]:
+    """Columns of a system as header, unit and values."""
+    return columns(scenario, grid.trace)
+
+
+def _score_values(key: str) -> Values:
     def values(grid: Grid) -> FloatArray:
-        """At the tick of each stop its own value; for a score without stops the run's at every tick."""
+        """At the tick of each stop its own value, and that of the run at the last tick; the score of a run without
+        stops at every tick."""
         score = grid.record.score
-        own = {STOP_ERROR_KEY: "error_m", "time_error_s": "late_s"}.get(key)
+        of_run = score.signed[key] if key in score.signed else score.values.get(key)
+        whole = np.nan if of_run is None else of_run
+        own = _OF_STOPS.get(key)
         if own is not None and score.stops:
             found = np.full(grid.count, np.nan)
+            found[-1] = whole
             for stop in score.stops:
                 if stop.standstill is not None and (value := getattr(stop, own)) is not None:
                     found[min(grid.tick_at(stop.standstill.instant_s), grid.count - 1)] = value
             return found
-        value = score.signed[key] if key in score.signed else score.values.get(key)
-        return np.full(grid.count, np.nan if value is None else value)
+        return np.full(grid.count, whole)
 
     return values
 

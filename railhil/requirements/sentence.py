@@ -123,7 +123,7 @@ class BoundSentence:
             assert body.last is not None
             self._first = math.ceil(binder.time_ns(body.first) / self._names.tick_ns)
             if self._first > self._last:
-                raise binder.refused(body.last, "ends before it begins")
+                raise binder.refused(body.last, "ends a window in which no tick lies")
         if body.hold is not None:
             self._hold = math.ceil(binder.window(body.hold, periods_ns))
         if body.until is not None:
@@ -159,17 +159,19 @@ class BoundSentence:
             yield 0, end
             return
         if scope.word == "between":
-            first, last = (self._ticks(grid, one) for one in self._scope)
-            begun = -1
-            while (later := first[first > begun]).size:
-                closes = last[last > later[0]]
-                begun = int(closes[0]) if closes.size else end
-                yield int(later[0]), begun
+            opens, closes = (self._ticks(grid, one) for one in self._scope)
+            last = -1
+            while (opens := opens[opens > last]).size:
+                first, closes = int(opens[0]), closes[closes > opens[0]]
+                last = int(closes[0]) if closes.size else end
+                yield first, last
             return
         begins = self._ticks(grid, self._scope[0])
         finishes = self._ticks(grid, self._scope[1], last=True) if scope.word == "from" else np.array([end])
-        if begins.size and finishes.size and begins[0] <= finishes[0]:
-            yield max(int(begins[0]), 0), min(int(finishes[0]), end)
+        if begins.size and finishes.size:
+            first, last = int(begins[0]), min(int(finishes[0]), end)
+            if first <= last:
+                yield first, last
 
     def _ticks(self, grid: Grid, instant: Fraction | str | Bound, last: bool = False) -> npt.NDArray[np.int64]:
         """Ticks of an instant; a time is rounded to the tick inside the scope."""
@@ -231,7 +233,7 @@ class BoundSentence:
         )
 
         def decides(tick: int) -> int:
-            window = np.nan_to_num(bounds[0][tick + first : tick + last + 1], nan=-np.inf)
+            window = _or_least(bounds[0][tick + first : tick + last + 1])
             if not len(window):
                 return tick
             begun = tick + first + int(np.argmax(window))
@@ -266,7 +268,7 @@ class BoundSentence:
         ticks, bounds, spare = [], [], None
         for first, last in spans:
             end = last if self._last < 0 else first + self._last
-            one, other = (np.nan_to_num(found[first : end + 1], nan=-np.inf) for found in (least, most))
+            one, other = (_or_least(found[first : end + 1]) for found in (least, most))
             is_cut = end >= grid.count
             ticks.append(first)
             bounds.append((one.max(), np.inf if is_cut else other.max()))
@@ -276,13 +278,18 @@ class BoundSentence:
 
         def decides(tick: int) -> int:
             end = self._last + 1 if self._last >= 0 else grid.count
-            begun = tick + int(np.argmax(np.nan_to_num(least[tick : tick + end], nan=-np.inf)))
+            begun = tick + int(np.argmax(_or_least(least[tick : tick + end])))
             return begun + self._weakest(margins, released, begun)
 
         pairs = np.array(bounds).reshape(-1, 2)
         cases = _Cases(np.array(ticks, dtype=np.int64), pairs[:, 0], pairs[:, 1], decides)
         allowed = self._last if self._last >= 0 else None
         return replace(cases.finding(len(ticks)), spare=spare, allowed=allowed)
+
+
+def _or_least(margins: FloatArray) -> FloatArray:
+    """Margins with the least one for ticks of which nothing is known."""
+    return np.where(np.isnan(margins), -np.inf, margins)
 
 
 def _longest_run(holds: npt.NDArray[np.bool_]) -> int:

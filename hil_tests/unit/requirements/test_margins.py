@@ -61,7 +61,7 @@ def test_a_condition_holds_from_a_tick_until_the_release() -> None:
         assert unless(margins, released).tolist() == wanted
 
 
-@pytest.mark.parametrize(("left", "right"), product(VALUES.tolist(), VALUES.tolist()))
+@pytest.mark.parametrize(("left", "right"), list(product(VALUES.tolist(), VALUES.tolist())))
 def test_and_and_or_know_what_one_side_decides(left: float, right: float) -> None:
     both, either = float(all_of(row(left), row(right))[0]), float(any_of(row(left), row(right))[0])
     known = [value for value in (left, right) if not math.isnan(value)]

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import text_beside_limit
 from railhil.controller_node.ato.laws import ORDER
@@ -21,6 +23,7 @@ from railhil.report.deviations import Deviation, read_deviations
 from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, TIME_ERROR
 from railhil.systems.ato.judge.curves import wanted_mps
 from railhil.systems.ato.judge.events import INTERLOCKS, STATUS, WATCHES, received
+from railhil.systems.ato.judge.measures import limits_under_train
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
@@ -48,6 +51,13 @@ def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
 def reckoned(scenario: Scenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:
     """The speed that the law was to follow."""
     return [("target_speed_mps", "m/s", wanted_mps(scenario, trace))]
+
+
+def quantities(scenario: Scenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:
+    """The speed limit of line and train, in force for the whole train."""
+    position_m, train = trace.values(SimTruth.PORT, "TruePos"), scenario.train
+    limits_mps = limits_under_train(scenario.line.speed_limit_mps, position_m, train.length_m)
+    return [("limit_at_train", "m/s", np.minimum(limits_mps, train.speed_limit_mps))]
 
 
 def asked(scenario: Scenario) -> str:
@@ -158,6 +168,7 @@ JUDGING = Judging(
     deviations=deviations,
     advice=advice,
     reckoned=reckoned,
+    quantities=quantities,
     shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),),
     watches=WATCHES,
     interlocks=INTERLOCKS,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import count_of, text_beside_limit
 from railhil.judge.declared import Place
@@ -17,8 +19,11 @@ from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge import judging as of_train
 from railhil.systems.ato.judge.criteria import OVERSPEED
 from railhil.systems.ato.judge.events import STATUS
+from railhil.systems.line.judge.course import course_of
 from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS, INTERVENTIONS, WARNINGS
 from railhil.systems.line.judge.events import INTERLOCKS, WATCHES, received
+from railhil.systems.line.judge.invariants import limits_at
+from railhil.systems.line.judge.milestones import milestones_of
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.planned import planned_motion
 from railhil.systems.line.scenario.model import LineScenario
@@ -55,6 +60,14 @@ def reckoned(scenario: LineScenario, trace: Trace) -> list[tuple[str, str, Float
     port = SimTruth.PORT
     place_m, speed_mps = trace.values(port, "TruePos"), trace.values(port, "TrueSpeed")
     return [("lateness_s", "s", planned_motion(scenario).lateness_s(trace.times_s(port), place_m, speed_mps))]
+
+
+def quantities(scenario: LineScenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:
+    """The speed limit of line and train, in force for the whole train on its leg."""
+    course = course_of(scenario, milestones_of(scenario, trace)[0])
+    time_s, position_m = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TruePos")
+    limits_mps = limits_at(scenario, course, time_s, position_m)
+    return [("limit_at_train", "m/s", np.minimum(limits_mps, scenario.train.speed_limit_mps))]
 
 
 def asked(scenario: LineScenario) -> str:
@@ -137,6 +150,7 @@ JUDGING = Judging(
     status=STATUS,
     advice=advice,
     reckoned=reckoned,
+    quantities=quantities,
     shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"), ("ato_state", AtoStat.PORT, "AtoState")),
     watches=WATCHES,
     interlocks=INTERLOCKS,
