@@ -183,6 +183,7 @@ def test_a_library_gives_the_same_notches(folder: Path) -> None:
     assert (refused.exit_code, "cannot be loaded" in refused.one_line()) == (2, True)
 
 
+@pytest.mark.long
 def test_files_in_cpp_and_in_folders_are_compiled(folder: Path) -> None:
     shutil.copytree(folder / "mine", folder / "cpp", ignore=shutil.ignore_patterns("build"))
     cpp = folder / "cpp"

@@ -160,6 +160,7 @@ def test_a_run_over_a_bus_has_the_same_bytes(
     assert found == read_target(tmp_path / "local")
 
 
+@pytest.mark.long_after(2)
 @pytest.mark.parametrize(
     ("file", "old", "new", "words"),
     [
@@ -201,7 +202,7 @@ def test_when_a_board_fails_the_train_stops_by_its_own_watch(
     assert "train's EMERGENCY" in done.out
 
 
-@pytest.mark.long_after(3)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize(
     ("body", "words"),
     [
@@ -271,6 +272,7 @@ def test_a_function_that_needs_an_operating_system_is_named(short: Path, tmp_pat
     assert "undefined reference to `_" in done.err
 
 
+@pytest.mark.long
 def test_the_laws_of_a_suite_run_on_the_board_of_the_session(short: Path, pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         f"""

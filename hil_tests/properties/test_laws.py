@@ -73,6 +73,7 @@ class TestTdmc(LawProperties):
 
 class TestFuzzyPid(LawProperties):
     law = "fuzzy_pid"
+    is_batch_long = True
 
 
 class TestIpfcPlus(LawProperties):

@@ -109,6 +109,7 @@ def test_an_image_is_built_once_and_its_bytes_do_not_depend_on_the_place(folder:
     assert board.build(folder, _SOURCES, optimisation="-Os").rom_octets < image.rom_octets
 
 
+@pytest.mark.long
 @pytest.mark.needs_qemu
 @pytest.mark.slow
 def test_a_change_of_any_file_that_takes_part_makes_another_image(folder: Path, tmp_path: Path) -> None:

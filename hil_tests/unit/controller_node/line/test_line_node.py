@@ -40,6 +40,7 @@ def test_before_the_first_telegram_the_train_is_held_and_no_door_is_ordered() ->
     assert (node.stations.drive, node.controller.telemetry.steps) == (Drive.NONE, 0)
 
 
+@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_the_train_serves_all_stops_of_a_line(tmp_path: Path, arithmetic: str) -> None:
