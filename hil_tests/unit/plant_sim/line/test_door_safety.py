@@ -15,7 +15,7 @@ from railhil.plant_sim.ato.dynamics import Motion
 from railhil.plant_sim.ato.gate import CommandGate
 from railhil.plant_sim.ato.train_watch import TrainWatch
 from railhil.plant_sim.line.docking import ERROR_MAX_M, DockingLoop
-from railhil.plant_sim.line.doors import LEFT, OPENING, RIGHT, SIDES, TrainDoors
+from railhil.plant_sim.line.doors import LEFT, OPEN, OPENING, RIGHT, SIDES, TrainDoors
 from railhil.plant_sim.line.journey import Journey
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.line.scenario.dwell import DrawnDwell
@@ -137,8 +137,11 @@ class Sequence:
         return self.train.doors.left.state, self.train.doors.right.state
 
     def check_openings(self, before: tuple[int, int], motion: Motion) -> None:
-        """Doors that now open, and did not, do so at standstill, in the window and on the platform's side."""
+        """Doors that now open, and did not, do so at standstill, in the window and on the platform's side; they become
+        open at standstill."""
         for side, was, state in zip((LEFT, RIGHT), before, self.states(), strict=True):
+            if state == OPEN != was:
+                assert motion.speed_mps == 0.0
             if state == OPENING != was:
                 self.opened += 1
                 assert motion.speed_mps == 0.0

@@ -12,7 +12,7 @@ from railhil.bus.layout import CHECK_ERRONEOUS, FLAG_ERROR, FLAG_FALSE, FLAG_TRU
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.line.scenario.model import RouteSignal
 from railhil.wire.ato import TrkInfo
-from railhil.wire.line import DoorCmd, DoorOrder, DoorStat, SignalAspect, StnInfo
+from railhil.wire.line import DoorCmd, DoorOrder, DoorStat, DoorState, SignalAspect, StnInfo
 
 
 def begun(seed: int = 0, **line: object) -> Driver:
@@ -146,6 +146,34 @@ def test_open_doors_cut_traction_and_hold_the_train() -> None:
     assert driver.train.position_01mm == place
     assert driver.train.traction_n == 0.0
     assert not driver.train.status.traction_enabled
+
+
+def test_open_doors_hold_a_train_whose_brake_nobody_has_demanded() -> None:
+    driver = begun()
+    driver.run(lambda: at_stop(driver) and driver.train.docking.is_in_window)
+    driver.orders = lambda: {"hold_brake": FLAG_FALSE, "order": DoorOrder.OPEN_LEFT, "station": 2}  # type: ignore[method-assign]
+    driver.notch = lambda: 0.0 if "doors_open" in driver.kinds() else -7.0  # type: ignore[method-assign]
+    driver.run(lambda: "doors_open" in driver.kinds())
+    place, ticks = driver.train.position_01mm, driver.train.tick + 2000
+    driver.run(lambda: driver.train.tick == ticks)
+    # On a grade of 8 per mille.
+    assert driver.train.position_01mm == place
+    assert driver.train.holding.is_applied
+
+
+def test_doors_that_open_while_the_train_begins_to_move_close_again() -> None:
+    driver = begun()
+    driver.run(lambda: driver.train.doors.left.state == DoorState.OPENING)
+    train = driver.train
+    ticks = train.tick + 100
+    driver.run(lambda: train.tick == ticks)
+    assert train.doors.left.state == DoorState.OPENING
+    ticks += 250
+    while train.tick < ticks:
+        train._motion = train._motion._replace(speed_mps=0.3)
+        driver.tick()
+        assert train.doors.left.state in (DoorState.CLOSING, DoorState.LOCKED)
+    assert "doors_open" not in driver.kinds()
 
 
 def test_a_train_leaves_with_permission_only() -> None:
@@ -315,3 +343,17 @@ def test_a_terminal_without_open_doors_ends_the_run_after_ten_seconds() -> None:
     assert ended(driver) is Event.ENDED_COMPLETE
     assert driver.kinds()[-1] == "arrived"
     assert driver.train.tick - driver.train.stood_from_tick in range(1000, 1012)
+
+
+def test_doors_that_open_slowly_at_the_terminal_keep_the_run_going() -> None:
+    driver = begun()
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+    driver.train.doors.right.slowness = 6.0
+    driver.run(lambda: ended(driver) is not None)
+    # They take 15 s. Without them, the run is over after ten.
+    assert driver.kinds()[-2:] == ["arrived", "doors_open"]
+    opened, arrived = (
+        next(one for one in driver.events[::-1] if one.kind == kind) for kind in ("doors_open", "arrived")
+    )
+    assert opened.instant_01ms - arrived.instant_01ms > 150_000
+    assert driver.train.tick * 100 == opened.instant_01ms + 10_000
