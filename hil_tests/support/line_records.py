@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -42,7 +42,7 @@ def driven_run(*, short: bool = False) -> tuple[LineScenario, tuple[Told, ...]]:
     stops[1] = replace(stops[1], arrive_s=depart_s - 30.0, depart_s=depart_s)
     stops[3] = replace(stops[3], arrive_s=end_s)
     line = four_stops(stops=tuple(stops))
-    told, arrivals_s = _drive(line)
+    told, arrivals_s = drive(line)
     for place, arrived_s in zip((1, 3), arrivals_s, strict=True):
         stops[place] = replace(stops[place], arrive_s=float(round(arrived_s)))
     sections = tuple(
@@ -52,8 +52,14 @@ def driven_run(*, short: bool = False) -> tuple[LineScenario, tuple[Told, ...]]:
     return replace(line, stops=tuple(stops), sections=sections), told
 
 
-def _drive(line: LineScenario) -> tuple[tuple[Told, ...], list[float]]:
-    """The telegrams of a run to its end, and its arrivals in s."""
+def drive(
+    line: LineScenario, act: Callable[[Driver], object] = lambda _: None, until: Callable[[Driver], bool] | None = None
+) -> tuple[tuple[Told, ...], list[float]]:
+    """The telegrams of a run to its end, and its arrivals in s.
+
+    :param act: called before each tick.
+    :param until: the run is ended when this is true; None: at its own end.
+    """
     train = LineTrain(line, 1)
     driver = Driver(train, line)
     contract: Contract = line.installed_system.contract
@@ -74,8 +80,11 @@ def _drive(line: LineScenario) -> tuple[tuple[Told, ...], list[float]]:
             told.append(Told(now_ns, AtoStat.PORT, status.encode()))
             life += 1
         ended = train.ending.reached(train.tick, False)
+        if until is not None and until(driver):
+            ended = Event.ENDED_NOT_STOPPED
         if ended is not None:
             break
+        act(driver)
         driver.tick()
         for event in driver.events[seen:]:
             code = own.get(event.kind) or getattr(Event, event.kind.upper(), None)

@@ -2,10 +2,11 @@
 
 7. No traction with an open door: neither a door of the train nor one of the platform that the train stands at.
 8. No door is open in motion, outside of the door window, or on a side without platform.
-9. The front never passes the supervised location, by truth. The end of authority may be passed by less than the
-   interval of the position.
+9. The front never passes the supervised location, by truth, neither that of a stop nor that behind a signal that is
+   red by timetable or shown red. The end of authority may be passed by less than the interval of the position.
 10. The train protection never takes an emergency brake back.
-11. A train that stands at a stop leaves it only after a departure that was permitted.
+11. A train that stands at a stop leaves it only after a departure that was permitted: not towards a red signal. Until
+    then it creeps at most up to the stopping point, and does not move with doors that have opened.
 
 Without train protection rules 9 and 10 do not apply.
 """
@@ -25,14 +26,14 @@ from railhil.systems.ato.judge.invariants import NOTICE_S
 from railhil.systems.ato.judge.measures import limits_under_train
 from railhil.systems.line.judge.course import Course, stop_name
 from railhil.systems.line.judge.run import LineRun
+from railhil.systems.line.judge.signals import left_towards_red, passed_red
 from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.protection_check import SIGNAL_OVERLAP_M
 from railhil.wire.ato import SimTruth
 from railhil.wire.line import AtpStat, DoorStat
 
 #: Least force that is traction, N: half of the resolution on the wire.
 _FORCE_MIN_N = 10.0
-#: Distance that a red signal is passed at most by, m (section 4.5: its supervised location).
-SIGNAL_OVERLAP_M = 20.0
 #: Roll of a train that stands, m: the train protection brakes at 0.5 m, and its emergency brake takes up to 1.2 s to
 #: build up; on the steepest grade that the holding brake is made for (40 per mille) the train then is at 1.3 m.
 ROLL_MAX_M = 1.5
@@ -66,8 +67,9 @@ def broken(run: LineRun) -> list[str]:
         found += [*_traction_with_open_door(run)]
         found += [_numbered(8, said) for said in run.doors.breaches(run.scenario, run.course, run.motion)]
     if run.scenario.atp.enabled:
-        found += [*_beyond_authority(run), *([] if AtpStat.PORT in run.forged else _emergency_taken_back(trace))]
-    return [*found, *_left_without_departure(run)]
+        found += [*_beyond_authority(run)] or [*passed_red(run)]
+        found += [] if AtpStat.PORT in run.forged else _emergency_taken_back(trace)
+    return [*found, *_left_without_departure(run), *left_towards_red(run)]
 
 
 def _numbered(rule: int, said: str) -> str:
@@ -143,7 +145,11 @@ def _emergency_taken_back(trace: Trace) -> Iterator[str]:
 
 
 def _left_without_departure(run: LineRun) -> Iterator[str]:
-    """A train that rolls away from a stop without a departure."""
+    """A train that rolls away from a stop without a departure.
+
+    A milestone of a creep only says that the train began to move: it may roll. Only from a place within the reach of
+    creeping, and with doors that have not opened, may it move to the stopping point.
+    """
     for visit in run.course.visits:
         told, stop = visit.arrived, run.scenario.stops[visit.stop]
         if told is None and visit.stop > 0:
@@ -151,10 +157,17 @@ def _left_without_departure(run: LineRun) -> Iterator[str]:
         from_s = 0.0 if told is None else told.instant_s
         until_s = run.trace.end_s if visit.departed is None else visit.departed.instant_s
         part = run.motion.between(from_s, until_s)
-        most_m = ROLL_MAX_M + (run.scenario.route.jog.reach_m + stop.stop_error_max_m if visit.jogs else 0.0)
-        if len(part.position_m) and np.ptp(part.position_m) > most_m:
-            yield (
-                f"invariant 11: the train moved {np.ptp(part.position_m):.2f} m at stop "
-                f"{stop_name(run.scenario.stops, visit.stop)} without a departure"
-            )
+        if not len(part.position_m):
+            continue
+        least_m, most_m = float(part.position_m.min()), float(part.position_m.max())
+        creep_m = stop.position_m - least_m
+        if not visit.jogs or not 0.0 < creep_m <= run.scenario.route.jog.reach_m + stop.stop_error_max_m:
+            creep_m = 0.0
+        moved_m = most_m - least_m if most_m - least_m > creep_m + ROLL_MAX_M else 0.0
+        if visit.opened and not moved_m:
+            after_m = run.motion.between(visit.opened[0].instant_s, until_s).position_m
+            moved_m = float(np.ptp(after_m)) if len(after_m) and np.ptp(after_m) > ROLL_MAX_M else 0.0
+        if moved_m:
+            name = stop_name(run.scenario.stops, visit.stop)
+            yield f"invariant 11: the train moved {moved_m:.2f} m at stop {name} without a departure"
             return
