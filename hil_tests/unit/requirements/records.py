@@ -44,6 +44,8 @@ def record_of(
     events: Sequence[tuple[float, Event]] = (),
     score: Score | None = None,
     certificate: dict[str, Any] | None = None,
+    *,
+    turned: bool = False,
 ) -> Record:
     """A record.
 
@@ -51,6 +53,7 @@ def record_of(
     :param commands: notch (1/256) and mode of NOTCH_CMD in every other tick; None: no telegram.
     :param levels: of the train's watch, by the tick at which TRN_WATCH is sent.
     :param events: instants in s and milestones.
+    :param turned: whether the telegrams of a tick come in the opposite order.
     """
     trace = Trace(wire_contract())
     timed: list[tuple[int, Telegram]] = []
@@ -66,7 +69,7 @@ def record_of(
     for number, (instant_s, event) in enumerate(events):
         told = RunEvent(event=event, number=number, instant_01ms=round(instant_s * 1e4))
         timed.append((-(-round(instant_s * 1e4) // 100), told))
-    for tick, telegram in sorted(timed, key=lambda one: one[0]):
+    for tick, telegram in sorted(reversed(timed) if turned else timed, key=lambda one: one[0]):
         trace.add(telegram.PORT, tick * TICK_NS, telegram.encode())
     trace.end_ns = (len(speeds_mmps) - 1) * TICK_NS
     made = Record(Path("frames.log"), scenario(), trace, certificate=certificate or {})

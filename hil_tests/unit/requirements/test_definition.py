@@ -74,7 +74,8 @@ class Drawn:
         rest = self._one(hold, f", until {self.condition(1)}", ", until end")
         return f"{scope}whenever {self.condition()}, {first}{self.condition()}{rest}"
 
-    def record(self) -> Record:
+    def record(self) -> tuple[Record, Record]:
+        """A record, and the same with the telegrams of each tick in the opposite order."""
         ticks = int(self._draws.integers(3, 45))
         drawn = self._draws.choice([0, 1, 2, 3, 4, 5, REFUSED, None], ticks, p=[0.1, *[0.12] * 5, 0.1, 0.2])
         speeds = [None if one is None else one if one == REFUSED else one * 1000 for one in drawn.tolist()]
@@ -84,7 +85,7 @@ class Drawn:
             else (int(self._draws.integers(-2, 3)) * 256, int(self._draws.choice(modes)))
             for _ in range(-(-ticks // 2))
         ]  # fmt: skip
-        return record_of(speeds, commands)
+        return record_of(speeds, commands), record_of(speeds, commands, turned=True)
 
 
 class Defined:
@@ -317,10 +318,11 @@ def defined_outcome(record: Record, says: str) -> tuple[str, int, float | None]:
 def compare(seed: int, sentences: int) -> dict[str, int]:
     drawn, verdicts = Drawn(seed), dict[str, int]()
     for _ in range(sentences):
-        says, record = drawn.sentence(), drawn.record()
+        says, (record, turned) = drawn.sentence(), drawn.record()
         bound = Requirement("T-1", says).bind(names())
         found, (verdict, met, margin) = judged(record, says), defined_outcome(record, says)
         assert (found.verdict, found.antecedent_met) == (verdict, met), says
+        assert judged(turned, says) == found
         # A margin of several dimensions depends on their scales; the verdict does not.
         if bound.condition.unit is not None:
             assert (None if found.margin is None else round(found.margin, 6)) == margin, says
