@@ -18,8 +18,8 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 
 LINE = TEST_DATA / "short_line.toml"
-#: One entry of each kind; the others are long.
-QUICK = ("D3", "D11", "P5", "P8")
+#: An entry of the doors and one of the protection; the others are long.
+QUICK = ("D3", "P8")
 MARKS = {"stop": (0.0, 89.0, 189.0), "section": (10.0, 112.0)}
 ENTRIES = [
     pytest.param(entry, id=entry.id, marks=[] if entry.id in QUICK else [pytest.mark.long])

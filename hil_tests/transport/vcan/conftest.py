@@ -40,6 +40,17 @@ def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Re
 
 
 @pytest.fixture(scope="session")
+def hop_export(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """IPFC for the hop as C."""
+    # Not before: half of these tests have no use for what it loads.
+    from hil_tests.support.foreign import export_node
+
+    folder = tmp_path_factory.mktemp("export")
+    export_node(hop, folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
 def can_utils() -> None:
     """Skip without can-utils; if nothing may be skipped, their absence fails the test."""
     missing = [name for name in _TOOLS if shutil.which(name) is None]

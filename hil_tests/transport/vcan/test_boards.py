@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import socket
 import subprocess
 import threading
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.support.foreign import PORTABLE, export_node, without_status
+from hil_tests.support.foreign import PORTABLE, without_status
 from hil_tests.transport.vcan.bench import run_on, socketcan
 from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.mvb import master_frame
@@ -36,11 +37,9 @@ _STATUS = master_frame(15, 1)
 
 
 @pytest.fixture(scope="module")
-def export(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """IPFC for the hop."""
-    folder = tmp_path_factory.mktemp("export")
-    export_node(hop, folder)
-    return folder
+def export(hop_export: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """IPFC for the hop, in a folder of these tests."""
+    return Path(shutil.copytree(hop_export, tmp_path_factory.mktemp("boards") / "export"))
 
 
 def image(name: str, export: Path) -> Image:
