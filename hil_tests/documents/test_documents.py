@@ -15,6 +15,8 @@ from hil_tests.support.paths import ROOT
 
 #: A line of a block in which nothing is run, and which looks as if somebody should type it.
 _TYPED = re.compile(r"(?:\$ |(?:railhil|make|python3?|docker|pip) [a-z-]+(?= |$)).*")
+#: A link to a file of the tree.
+_LINK = re.compile(r"\]\((?![a-z]+:)([^)#\s]+)(?:#[^)\s]*)?\)")
 #: Pages whose tables are written from a schema; tests elsewhere compare them.
 _WRITTEN = ("docs/reference/scenario_keys.md", "docs/reference/faults.md")
 
@@ -53,6 +55,13 @@ def problem(block: Block) -> str:
 def test_every_block_says_what_it_is() -> None:
     found = [f"{block}: {problem(block)}" for block in blocks() if problem(block)]
     assert not found, "\n".join(found)
+
+
+def test_every_link_of_a_page_leads_to_a_file() -> None:
+    """Its anchors are checked by `make docs`, which takes as long as hundreds of tests."""
+    links = [(page, link) for page in PAGES for link in _LINK.findall((ROOT / page).read_text(encoding="utf-8"))]
+    assert len(links) > 200
+    assert [(page, link) for page, link in links if not ((ROOT / page).parent / link).exists()] == []
 
 
 def test_every_page_is_of_one_kind() -> None:

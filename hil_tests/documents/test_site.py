@@ -62,6 +62,7 @@ def chromium() -> Iterator[Any]:
         found.close()
 
 
+@pytest.mark.long
 def test_every_link_and_part_of_the_site_is_there(site: Path) -> None:
     pages = {page: _Targets(page) for page in site.rglob("*.html")}
     assert len(pages) > 40
@@ -95,6 +96,7 @@ def test_a_link_that_leads_nowhere_is_an_error(tmp_path: Path, link: str, capfd:
     assert link.rpartition("#")[2] in said
 
 
+@pytest.mark.long
 def test_commands_keys_and_the_library_are_pages_of_the_site(site: Path) -> None:
     """With an anchor for each option, and for each name of the library."""
     places = _Targets(site / "reference" / "commands" / "run.html").places
@@ -110,6 +112,7 @@ def test_commands_keys_and_the_library_are_pages_of_the_site(site: Path) -> None
     assert {"railhil.library.run", "railhil.library.campaign", "railhil.testing.bench.Bench"} <= places
 
 
+@pytest.mark.long
 @pytest.mark.needs_browser
 def test_the_site_asks_nobody_and_finds_words(site: Path, chromium: Any) -> None:
     asked: list[str] = []
@@ -125,8 +128,8 @@ def test_the_site_asks_nobody_and_finds_words(site: Path, chromium: Any) -> None
     assert [address for address in asked if not address.startswith(("data:", site.as_uri()))] == []
 
 
+@pytest.mark.long
 @pytest.mark.needs_browser
-@pytest.mark.long_after(2)
 @pytest.mark.parametrize("name", LOOKED_AT)
 def test_everybody_can_read_the_site(site: Path, chromium: Any, name: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()

@@ -244,6 +244,7 @@ def test_the_catalogue_of_node_faults_holds_on_a_board(tmp_path: Path) -> None:
     assert "4 runs, 0 not as they must be" in done.out
 
 
+@pytest.mark.long
 def test_a_c_controller_of_a_user_runs_on_a_board_as_on_the_host(short: Path, tmp_path: Path) -> None:
     made = railhil("new", "c-controller", "mine", cwd=tmp_path)
     assert made.exit_code == 0, made.err

@@ -18,7 +18,6 @@ from railhil.controller_node.ato import guard
 ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
 
 
-@pytest.mark.long_after(1)
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(

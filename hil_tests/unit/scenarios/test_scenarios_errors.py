@@ -312,7 +312,7 @@ STRANGE = st.one_of(
 
 @pytest.mark.slow
 @given(st.sampled_from(PLACES), STRANGE)
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_strange_value_loads_or_gives_one_line(tmp_path: Path, place: tuple[str | int, ...], value: Any) -> None:
     table = with_value(WHOLE, place, value)
     path = tmp_path / "mine.toml"

@@ -67,6 +67,7 @@ def test_the_train_serves_all_stops_of_a_line(tmp_path: Path, arithmetic: str) -
     assert set(result.counters["controller"]) <= {"no_mailbox"}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_law_that_stops_short_is_crept_to_the_stopping_point(tmp_path: Path) -> None:
     line = four_stops()

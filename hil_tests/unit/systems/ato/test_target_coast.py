@@ -76,7 +76,7 @@ def test_a_curve_with_coasting_keeps_every_limit(number: int) -> None:
 
 @pytest.mark.slow
 @given(lines(), st.floats(1.0, 1.6))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_any_line_with_grades_and_limits(drawn: tuple[Line, float], reserve: float) -> None:
     line, distance_m = drawn
     running_time_s = fastest_time_s(line, TRAIN, distance_m, COAST) * reserve
@@ -89,7 +89,7 @@ def test_any_line_with_grades_and_limits(drawn: tuple[Line, float], reserve: flo
 
 @pytest.mark.slow
 @given(lines(), st.floats(1.03, 1.5))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_coasting_costs_hardly_more_than_the_plain_curve_on_any_line(drawn: tuple[Line, float], reserve: float) -> None:
     line, distance_m = drawn
     running_time_s = fastest_time_s(line, TRAIN, distance_m, COAST) * reserve

@@ -102,7 +102,7 @@ def test_what_cannot_be_met_is_said(line: Line, distance_m: float, running_time_
 
 @pytest.mark.slow
 @given(lines(), st.floats(1.0, 1.5))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_any_line_with_grades_and_limits(drawn: tuple[Line, float], reserve: float) -> None:
     line, distance_m = drawn
     running_time_s = fastest_time_s(line, TRAIN, distance_m, LIMITS) * reserve

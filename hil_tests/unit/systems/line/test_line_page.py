@@ -77,6 +77,7 @@ def test_a_zoom_moves_the_named_lines_and_shows_names_that_had_no_room(pages: di
     assert inside == [6272.0]
 
 
+@pytest.mark.long
 def test_the_page_of_a_long_run_is_small(pages: dict[str, Path]) -> None:
     text = pages["one"].read_text(encoding="utf-8")
     assert len(text) < _SIZE_MAX
