@@ -130,7 +130,8 @@ def _of_port(binder: Binder, node: syntax.Call) -> Quantity:
 def _since(occurs: npt.NDArray[np.bool_]) -> FloatArray:
     """Ticks since the last one that is marked; NaN before the first one."""
     places = np.arange(len(occurs), dtype=np.float64)
-    return places - np.maximum.accumulate(np.where(occurs, places, -np.inf)) if occurs.any() else places * np.nan
+    last = np.maximum.accumulate(np.where(occurs, places, -1.0))
+    return np.where(last < 0, np.nan, places - last)
 
 
 def _of_values(binder: Binder, node: syntax.Call, found: list[Quantity]) -> Quantity:

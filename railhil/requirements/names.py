@@ -71,6 +71,10 @@ class Names:
         self.tick_ns: int = timing.base_tick_ns
         self._schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, self.contract)
 
+    def __contains__(self, name: str) -> bool:
+        """Whether a value, score, level or event has this name."""
+        return any(name in known for known in (self.values, self.scores, self.levels, self.events))
+
     @cached_property
     def values(self) -> Mapping[str, Quantity]:
         """The columns of ``signals.csv`` by name, with the end that tells the unit and without it."""

@@ -16,14 +16,11 @@ from railhil.requirements.names import Names
 from railhil.requirements.parser import parse_definition, parse_sentence
 from railhil.requirements.sentence import BoundSentence
 from railhil.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
-from railhil.scenarios.schema import Table, Text
+from railhil.scenarios.schema import Table
 from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import validate
-
-_SENTENCE_MAX = 1000
-Sayings = Annotated[str, Field(min_length=1, max_length=_SENTENCE_MAX)]
 
 
 class WhenTable(Table):
@@ -36,7 +33,7 @@ class RequirementTable(Table):
     """One ``[[requirement]]``."""
 
     id: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$", max_length=40)]
-    says: Sayings
+    says: Annotated[str, Field(min_length=1)]
     title: Annotated[str, Field(max_length=200)] = ""
     note: Annotated[str, Field(max_length=1000)] = ""
     source: Annotated[str, Field(max_length=500)] = ""
@@ -47,9 +44,7 @@ class RequirementsTable(Table):
     """The tables of a file of requirements, or of the part of a scenario file."""
 
     requirement: list[RequirementTable] = Field(default_factory=list)
-    define: dict[Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=80)], Text] = Field(
-        default_factory=dict
-    )
+    define: dict[Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=80)], str] = Field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +69,10 @@ class Requirement:
 
         :raises InputError: the names or units do not fit; the message has the part and the column.
         """
+        for name, text in self.define:
+            if name in names:
+                allowed = "a name that no signal, score, level and event of the run has"
+                raise InputError(self.file or "requirement", f"define.{name}", text, allowed)
         try:
             return BoundSentence(self.says, names, dict(self.define))
         except SentenceError as error:

@@ -54,7 +54,10 @@ def window_max(values: FloatArray, first: int, last: int, beyond: float) -> Floa
 
     :param beyond: value of the ticks behind the end. Ticks of which nothing is known count as ``-inf``.
     """
-    count, size = len(values), last - first + 1
+    # Windows that begin or end even later have the same ticks.
+    count = len(values)
+    first, last = min(first, count), min(last, count)
+    size = last - first + 1
     padded = np.full(count + last, beyond)
     np.copyto(padded[:count], np.where(np.isnan(values), -np.inf, values))
     if size == 1:

@@ -25,9 +25,11 @@ FUNCTIONS: Final = {
     "bad": "p",
     "since": "e",
 }
+#: Longer sentences and definitions are refused.
+SENTENCE_MAX: Final = 1000
 NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
 _WORD = re.compile(
-    r"(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign><=|>=|!=|[<>=+*/(),.-])", re.ASCII
+    r"(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d\d?)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign><=|>=|!=|[<>=+*/(),.-])", re.ASCII
 )
 _UNIT = re.compile(r"\s*([A-Za-z%]+[2-9]?(?:/[A-Za-z]+[2-9]?)*)(?![\w(])", re.ASCII)
 
@@ -56,8 +58,10 @@ class SentenceError(Exception):
 def words_of(text: str) -> list[Word]:
     """The words of a sentence, with one of kind ``end`` behind them.
 
-    :raises SentenceError: a character that no word has.
+    :raises SentenceError: a character that no word has, or a text longer than :data:`SENTENCE_MAX`.
     """
+    if len(text) > SENTENCE_MAX:
+        raise SentenceError(f"{text[:20]}...", f"has more than {SENTENCE_MAX} characters", SENTENCE_MAX)
     found, place = [], 0
     while place < len(text):
         if text[place].isspace():

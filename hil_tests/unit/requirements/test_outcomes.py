@@ -178,6 +178,22 @@ def test_a_margin_of_several_units_has_each_in_its_own() -> None:
     assert [(part.margin, part.unit) for part in found.parts] == [(0.0, "level"), (-0.5, "notch")]
 
 
+def test_the_values_of_earlier_ticks_are_known_once_the_record_has_them() -> None:
+    record = record_of([tick * 100 for tick in range(30)], events=[(0.1, Event.STOPPED)])
+    # The speed rises by 0.1 m/s in each tick of 10 ms.
+    for says in (
+        "rate(measured_speed, 50 ms) = 10 m/s2", "before(measured_speed, 50 ms) = measured_speed - 0.5 m/s",
+        "mean(measured_speed, 50 ms) = measured_speed - 0.2 m/s",
+    ):  # fmt: skip
+        found = judged(record, f"always {says}")
+        assert (found.verdict, found.margin) == ("kept", 0.0)
+    assert judged(record, "never since(stopped) < 1 s and measured_speed < 1 m/s").verdict == "kept"
+    assert judged(record, "never since(stopped) > 200 ms").verdict == "kept"
+    assert judged(record, "never since(stopped) >= 190 ms").margin == 0.0
+    assert judged(record, "eventually within 1e9 s measured_speed > 9 m/s").verdict == "open"
+    assert judged(record, "never measured_speed > 1 m/s for longer than 1e9 s").verdict == "open"
+
+
 def test_names_stand_for_values_and_conditions() -> None:
     record = record_of(lost(10, 16), notches((0, 512), (14, -128)))
     found = judged(record, "whenever is_old, within window notch_command <= 0".replace("window", "20 ms"),

@@ -6,12 +6,16 @@ import re
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hil_tests.unit.requirements.records import names, scenario
 from railhil.common.errors import InputError
 from railhil.requirements.parser import parse_sentence
 from railhil.requirements.requirement import Requirement, check_requirements, read_requirements
+from railhil.requirements.sentence import BoundSentence
 from railhil.requirements.units import given_unit, unit_of
+from railhil.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
 
 #: A sentence, the column of what is wrong with it (from 1), and words of the message.
 BAD = [
@@ -206,6 +210,37 @@ def test_a_wrong_file_is_refused_in_a_line(tmp_path: Path, old: str, new: str, w
 def test_a_wrong_name_is_refused_where_it_is_used(define: dict[str, str], words: str) -> None:
     with pytest.raises(InputError, match=re.escape(words)):
         Requirement("T-1", "never a > 1 m", define=tuple(define.items())).bind(names())
+
+
+def test_a_name_that_a_run_has_already_is_refused() -> None:
+    for name in ("true_speed", "stopped", "emergency", "stop_error"):
+        with pytest.raises(InputError, match=f"define.{name}: found '1 m', allowed a name that no signal"):
+            Requirement("T-1", "never fault", define=((name, "1 m"),)).bind(names())
+
+
+#: Pieces of which sentences are made, and some that no sentence has.
+PIECES = (
+    *KEYWORDS, *FUNCTIONS, *"()<>=+-*/.,%?'", "<=", "!=", "20 ms", "5", "1e9", "7 m/s2", "true_speed", "TRN_SPEED",
+    "TrainSpeed", "train_level", "emergency", "stopped", "fault", "3 km/h/h", "µ", "", "__import__",
+)  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(sorted(PIECES)), max_size=25), st.sampled_from([*GOOD, ""]), st.integers(0, 12))
+def test_any_words_are_a_sentence_or_refused_with_a_column_inside(pieces: list[str], good: str, place: int) -> None:
+    words = good.split()
+    says = " ".join([*words[:place], *pieces, *words[place:]])
+    try:
+        BoundSentence(says, names(), {})
+    except SentenceError as error:
+        column = error.column
+    else:
+        column = 0
+    assert 0 <= column <= len(says)
+
+
+def test_a_sentence_of_excessive_length_is_refused() -> None:
+    with pytest.raises(InputError, match=r"has more than 1000 characters \(column 1001\)"):
+        Requirement("T-1", "never " + "1 + " * 300 + "1 > 0").bind(names())
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
