@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.browser import browser
+from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.cli import command
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
@@ -31,11 +31,8 @@ _WAIT_MS = 60_000
 
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+    with chromium_or_skip() as found:
         yield found
-        found.close()
 
 
 @contextmanager

@@ -22,7 +22,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from hil_tests.documents.diagrams import DIAGRAMS
-from hil_tests.support.browser import browser
+from hil_tests.support.browser import open_chromium
 from hil_tests.support.cli import command
 from hil_tests.support.paths import ROOT
 
@@ -48,13 +48,10 @@ def photographs(folder: Path) -> Iterator[tuple[str, list[str], bytes]]:
 
     :param folder: empty or not there yet, for the run that they show.
     """
-    from playwright.sync_api import sync_playwright
-
     done = subprocess.run(command(*RUN, "--out", folder), capture_output=True, text=True, timeout=120, check=False)
     if done.returncode != _FAILED:
         raise ValueError(f"the run of the photographs ended with {done.returncode}: {done.stdout}{done.stderr}")
-    with sync_playwright() as playwright, _panel(folder) as address:
-        chromium = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+    with open_chromium() as chromium, _panel(folder) as address:
         for name, page_address in (("report.png", (folder / "report.html").as_uri()), ("panel.png", address)):
             page = chromium.new_page(viewport=_SIZE, color_scheme="light")
             page.goto(page_address)
@@ -64,7 +61,6 @@ def photographs(folder: Path) -> Iterator[tuple[str, list[str], bytes]]:
                 # Curves are drawn a little after the charts are there.
                 page.wait_for_timeout(_DRAWN_MS)
             yield name, _words(page, PHOTOGRAPHS[name]), page.screenshot()
-        chromium.close()
 
 
 def _words(page: Any, selector: str) -> list[str]:

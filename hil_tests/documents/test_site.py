@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.documents.made_pages import made_pages
 from hil_tests.documents.site import DOCS, build
-from hil_tests.support.browser import browser
+from hil_tests.support.browser import chromium_or_skip
 from railhil.cli.commands import GROUPS
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
@@ -55,11 +55,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+    with chromium_or_skip() as found:
         yield found
-        found.close()
 
 
 @pytest.mark.long

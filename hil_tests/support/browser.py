@@ -7,8 +7,12 @@ import json
 import re
 import subprocess
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from hil_tests.machines.tools import BROWSERS
 from railhil.machines.debian import find_command
@@ -56,6 +60,30 @@ TEXTS_OF_CHARTS = """
 def browser() -> str | None:
     """Path of Chromium, None when this machine has none."""
     return next((path for name in BROWSERS if (path := find_command(name))), None)
+
+
+@contextmanager
+def open_chromium() -> Iterator[Any]:
+    """Headless Chromium, as playwright's ``Browser``.
+
+    :raises ModuleNotFoundError: playwright is not installed.
+    """
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+        try:
+            yield chromium
+        finally:
+            chromium.close()
+
+
+@contextmanager
+def chromium_or_skip() -> Iterator[Any]:
+    """As :func:`open_chromium`; without playwright the test is skipped."""
+    pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
+    with open_chromium() as chromium:
+        yield chromium
 
 
 def asked(page: Path, expression: str, width_px: int = 1100) -> Any:

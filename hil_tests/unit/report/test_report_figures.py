@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hil_tests.support.browser import browser
+from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.recordings import recorded_folder
 from hil_tests.support.scores import with_values
 from hil_tests.support.svg_paths import path_points
@@ -204,14 +204,11 @@ def test_shares_of_runs() -> None:
 @pytest.fixture(scope="module")
 def opened(run: Record, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str, list[str]]]:
     """A browser, the address of a report of two runs, and what any page has asked for."""
-    api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
     path = tmp_path_factory.mktemp("page") / "report.html"
     write_report([run, run.copy_with(label="other", certificate={**run.certificate, "controller": "tdmc"})], path)
     asked: list[str] = []
-    with api.sync_playwright() as play:
-        program = play.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+    with chromium_or_skip() as program:
         yield program, path.as_uri(), asked
-        program.close()
 
 
 def page_of(opened: tuple[Any, str, list[str]], width_px: int, **how: Any) -> Any:

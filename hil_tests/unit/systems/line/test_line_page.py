@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.browser import TEXTS_OF_CHARTS, asked, browser
+from hil_tests.support.browser import TEXTS_OF_CHARTS, asked, chromium_or_skip
 from hil_tests.support.line_record import ImaginedRun, record
 from railhil.report.page import write_report
 from railhil.scenarios.load import load_any
@@ -35,11 +35,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="MISSING CAPABILITY playwright")
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=browser(), args=["--no-sandbox"])
+    with chromium_or_skip() as found:
         yield found
-        found.close()
 
 
 @pytest.mark.long_after(1)
