@@ -23,6 +23,7 @@ from functools import cache
 from pathlib import Path
 
 from hil_tests.support.paths import ROOT
+from hil_tests.support.short_end import end_with
 
 #: What commands load first of all. Nothing is called, so nothing is remembered that depends on the environment.
 _LOADED = (
@@ -32,7 +33,7 @@ _LOADED = (
     "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle",
     "railhil.run.replay", "railhil.run.local", "railhil.report.page", "railhil.report.pictures",
 )  # fmt: skip
-_SERVE = f"from {__name__} import serve; serve()"
+_SERVE = f"import {end_with.__module__}; from {__name__} import serve; serve()"
 
 
 def run_module(
@@ -109,7 +110,8 @@ def serve() -> None:
 
 
 def _become(module: str, words: list[str], streams: list[str], environment: dict[str, str], cwd: str) -> None:
-    """What the interpreter does before it runs a module; an exception and the exit code are left to it."""
+    """What the interpreter does before it runs a module. An exception is left to it, and so is every end but one with a
+    number."""
     for number, path in enumerate(streams):
         opened = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
         os.dup2(opened, number)
@@ -121,4 +123,10 @@ def _become(module: str, words: list[str], streams: list[str], environment: dict
     sys.path[:] = [cwd, *given, *sys.path[1:]]
     importlib.invalidate_caches()
     sys.argv[1:] = words
-    runpy.run_module(module, run_name="__main__", alter_sys=True)
+    try:
+        runpy.run_module(module, run_name="__main__", alter_sys=True)
+    except SystemExit as end:
+        if end.code is None or isinstance(end.code, int):
+            end_with(end.code or 0)
+        raise
+    end_with(0)
