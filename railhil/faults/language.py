@@ -3,7 +3,7 @@
 ``WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT] [until EVENT] [after WORD] [seed N] [units 1,3] [combine] [id NAME]
 [expect LEVEL within TIME by CAUSE verdict VERDICT]``, such as ``speed stuck @60s for 2s`` or ``TRN_SPEED loss 30% @20s
 for 5s``. Places, words and values are in :mod:`railhil.faults.words`. A name with an underscore may be written as two
-words, and that of a place also with a dot.
+words, and that of a place also with a dot. A share directly behind a place with one word means that word.
 """
 
 from __future__ import annotations
@@ -16,7 +16,20 @@ from types import MappingProxyType
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.faults import FAULT
-from railhil.faults.model import NAME, TIME, WATCH_LEVELS, Draw, Expect, Fault, Parameter, Place, Trigger, Value, Word
+from railhil.faults.model import (
+    NAME,
+    SHARE,
+    TIME,
+    WATCH_LEVELS,
+    Draw,
+    Expect,
+    Fault,
+    Parameter,
+    Place,
+    Trigger,
+    Value,
+    Word,
+)
 from railhil.faults.notation import (
     ALLOWED,
     UNITS,
@@ -34,7 +47,7 @@ from railhil.faults.notation import (
     value_text,
 )
 from railhil.faults.span import Complain, end_s, with_span
-from railhil.faults.words import ONLY, word_of, words_at
+from railhil.faults.words import CLEAR, ONLY, word_of, words_at
 
 #: Shown instead of a file for a fault of the command line.
 #: Faults of one run; SUP_CMD numbers them in 8 bits.
@@ -103,7 +116,9 @@ def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None)
     if place is None:
         raise reader.refused(where, allowed_places(), place_hint(where))
     which = reader.take() if reader.next.isascii() and reader.next.isdigit() else ""
-    what = reader.take_joined(lambda name: word_of(place.level, place.name, place.part, name) is not None)
+    what = _only_word(reader, place) or reader.take_joined(
+        lambda name: word_of(place.level, place.name, place.part, name) is not None
+    )
     word = _word(reader, place, what)
     values = _values(reader, word)
     if which:
@@ -115,6 +130,15 @@ def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None)
     elif reader.next or trigger is None:
         raise reader.refused(reader.next, _expected(word, values))
     return check_fault(_tail(reader, Fault(place, what, trigger, values, count=count)), reader.refused)
+
+
+def _only_word(reader: _Reader, place: Place) -> str:
+    """The word that a share behind a place means, if the place has one word with a share: ``emergency_brake 70%`` is
+    ``emergency_brake weak 70%``. Empty: no share comes next, or it could mean several words."""
+    known = [one for one in words_at(place.level, place.name, place.part) if one.name != CLEAR]
+    if len(known) != 1 or [one.unit for one in known[0].parameters] != [SHARE]:
+        return ""
+    return known[0].name if reader.next.endswith("%") and value_of(reader.next, SHARE) is not None else ""
 
 
 def _word(reader: _Reader, place: Place, what: str) -> Word:

@@ -137,6 +137,10 @@ def test_a_text_is_a_fault(
         ),
         ("signal red @braking until 400s", "found 'until 400s', allowed until a time only for a fault that begins at"),
         ("signal red @500s until 400s", "found 'until 400s', allowed a time after @500s"),
+        ("emergency_brake 170% @1s", "found '170%', allowed share of the force that is left: 0% to 100%"),
+        ("emergency_brake 70%", "missing, expected @WHEN"),
+        ("brake 70% @1s", "found '70%', allowed brake with one of weak"),
+        ("dwell 45s @1s", "found '45s', allowed dwell with one of hold"),
         ("speed 3 stuck @1s", "found '3', allowed stuck, without a number before it"),
         ("balise 3 missed only 4 @1s", "found '3', allowed missed, without a number before it"),
     ],
@@ -163,6 +167,8 @@ def test_a_text_without_a_time_takes_the_given_one() -> None:
         ("signal 2 red @stop 2 until 400s", "signal red only 2 @stop 2 until 400s"),
         ("signal red @20s until 400s", "signal red @20s for 380s"),
         ("atp.speed wrong 110% @30s", "atp_speed wrong 1.1 @30s"),
+        ("emergency_brake 70% @30s", "emergency_brake weak 70% @30s"),
+        ("holding brake 0% @stop 2", "holding_brake weak 0% @stop 2"),
     ],
 )
 def test_a_name_of_two_words_a_number_and_a_planned_instant_have_one_canonical_text(text: str, canonical: str) -> None:
