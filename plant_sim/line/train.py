@@ -164,8 +164,11 @@ class LineTrain(BrakedTrain):
         if standing and self.tick % docking.period_ticks == 0:
             if journey.has_arrived:
                 docking.measure(motion.position_m - journey.stop.position_m, self.tick)
-            elif journey.stand_short(motion.position_m, self.tick, self.tick - self.stood_from_tick):
-                self._arrive()
+            else:
+                # A standstill before the departure is one at the stop that it leaves.
+                stood_ticks = self.tick - max(self.stood_from_tick, journey.departure_tick)
+                if journey.stand_short(motion.position_m, self.tick, stood_ticks):
+                    self._arrive()
         if standing and (self._hold_commanded or not doors.are_locked):
             self.holding.apply()
             self._is_braked = True

@@ -7,6 +7,7 @@ import struct
 
 import pytest
 
+from hil_tests.support.paths import TEST_DATA
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.transport.vcan.bench import (
     STOPS,
@@ -63,6 +64,16 @@ def test_high_speed_trains_give_the_bytes_of_every_other_transport(name, folder,
     result, exit_codes = run_on(socketcan(), scenario, folder, seed=3, controller="pid", arithmetic="float64")
     assert (result.line, exit_codes, result.frames_sha256) == ("", [0, 0], expected.frames_sha256)
     assert (folder / "frames.log").read_bytes() == expected.log.read_bytes()
+
+
+def test_a_line_with_a_dwell_gives_the_bytes_of_every_other_transport(folder, tmp_path):
+    """38 s with three stops, 27 000 frames: doors, departure and train protection."""
+    scenario, spec = load_any(str(TEST_DATA / "tiny_line.toml")), RunSpec(law=LawSpec("ipfc_plus"), seed=3)
+    reference = tmp_path / "local"
+    reference.mkdir()
+    expected = local_run(scenario, reference, spec)
+    result, exit_codes = run_on(socketcan(), scenario, folder, spec=spec)
+    assert (result.exit_code, exit_codes, result.frames_sha256) == (PASS, [0, 0], expected.frames_sha256)
 
 
 def test_a_sequence_of_stops_gives_the_hash_of_every_other_transport(tmp_path):

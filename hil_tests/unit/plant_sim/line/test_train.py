@@ -283,6 +283,15 @@ def test_a_train_that_stands_far_short_counts_as_arrived_after_ten_seconds() -> 
     assert 1000 <= driver.train.tick - stood <= 1011
 
 
+def test_a_train_that_leaves_has_not_arrived_at_a_next_stop_nearer_than_its_length() -> None:
+    stops = (STOPS[0], replace(STOPS[1], position_m=80.0), *(replace(one, position_m=180.0) for one in STOPS[3:]))
+    driver = begun(stops=(stops[0], stops[1], stops[2]))
+    driver.heeds_due = False
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+    driver.run(lambda: driver.train.position_01mm > 1_000_000)
+    assert driver.kinds().count("arrived") == 1
+
+
 def test_the_holding_brake_keeps_a_train_on_a_grade_until_traction_exceeds_it() -> None:
     driver = begun()
     driver.run(lambda: "departed" in driver.kinds())
