@@ -132,6 +132,21 @@ def test_what_cannot_be_repeated_is_refused(here: Railhil, copy: Path, keys: dic
     assert line in complaint(here("rerun", given))
 
 
+def test_another_controller_than_the_recorded_one_is_refused_and_the_command_for_it_named(
+    here: Railhil, short: Path
+) -> None:
+    said = complaint(here("rerun", short, "--controller", "tdmc"))
+    assert "--controller: found 'tdmc', allowed ipfc, the controller of the record" in said
+    command = said[said.index("railhil run --spec") :].split(" runs ")[0].split()
+    assert command[-2:] == ["--controller", "tdmc"]
+    assert Path(command[3]) == short / "certificate.json"
+
+
+@pytest.mark.slow
+def test_the_recorded_controller_may_be_named(here: Railhil, short: Path) -> None:
+    assert here("rerun", short, "--controller", "ipfc").out.startswith("same bytes")
+
+
 def test_a_bus_is_asked_for_by_its_options(here: Railhil, short: Path, tmp_path: Path) -> None:
     said = complaint(here("rerun", short, "--bus", "local", "-i", "socketcan"))
     assert "--bus local" in said

@@ -81,7 +81,7 @@ def _work(namespace: argparse.Namespace) -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     system = scenario.installed_system
     system.refuse_whole_runs("audit", namespace.scenario)
-    law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
+    law = LawSpec(namespace.controller or scenario.usual_law, namespace.arithmetic, namespace.indexing)
     # An unknown law is refused here, before anything else is printed.
     find(law.controller, system.laws)
     options = Options(law, namespace.seed, _runs(namespace, scenario))

@@ -23,8 +23,8 @@ from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
-from railhil.scenarios.system import System, system_named
 from railhil.scenarios.system import names as system_names
+from railhil.scenarios.system import system_named
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
@@ -215,10 +215,11 @@ def _given_entry(request: Request, text: str, code: Code) -> Entry:
     return Entry(LawSpec.of_given(given, request.indexing), given.digest)
 
 
-def _entries(request: Request, system: System, code: Code) -> tuple[Entry, ...]:
+def _entries(request: Request, scenario: AnyScenario, code: Code) -> tuple[Entry, ...]:
     files = [load_parameters(Path(name)) for name in request.parameters]
-    known = system.law_names()
-    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (system.law,)
+    system = scenario.installed_system
+    known, usual = system.law_names(), (scenario.usual_law,)
+    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or usual
     if wanted == (ALL_LAWS,):
         wanted = known
     for name in wanted:
@@ -252,12 +253,11 @@ def make_plan(request: Request, code: Code | None = None) -> Plan:
         tuned or chosen (unless the request allows them).
     """
     scenario = load_any(request.scenario, request.settings)
-    system = scenario.installed_system
     require_perturbations(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
         raise InputError("command line", "--seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
-    plan = Plan(request, scenario, _entries(request, system, code or {}))
+    plan = Plan(request, scenario, _entries(request, scenario, code or {}))
     for entry in plan.entries:
         if not isinstance(entry.law.given, RecordedController):
             make_controller_node(scenario, RunSpec(law=entry.law)).close()

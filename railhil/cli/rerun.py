@@ -10,6 +10,7 @@ from pathlib import Path
 
 from railhil.bus.can_settings import LOCAL, add_bus_arguments, named_bus
 from railhil.common.digits import count_of
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -36,7 +37,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def work(namespace: argparse.Namespace) -> int:
     """Repeat, compare, print; exit code 0 for the same bytes (of the contract, on a shared bus), 1 for others."""
-    run = again.certified_run(namespace.run, named_code(namespace))
+    code = named_code(namespace)
+    run = again.certified_run(namespace.run, code)
+    if code.controller is None:
+        _check_law(namespace.controller, run)
     again.repeatable(run)
     console = Output(stderr=namespace.json)
     given = named_bus(namespace)
@@ -87,6 +91,20 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"first difference: {where if found is None else found.sentence}")
         console.say(f"the repeated run is in {folder}" + (f": {result.line}" if result.line else ""))
     return PASS if same else FAIL
+
+
+def _check_law(law: str | None, run: again.CertifiedRun) -> None:
+    """Refuse a law that is not the one of the record: the repeated run would have other bytes.
+
+    :raises InputError: it is another one.
+    """
+    recorded = run.spec.law.controller
+    if law not in (None, recorded):
+        allowed = (
+            f"{recorded}, the controller of the record; "
+            f"railhil run --spec {run.certificate_path} --controller {law} runs the same with another"
+        )
+        raise InputError("command line", "--controller", law, allowed)
 
 
 def _others(run: again.CertifiedRun, result: Result) -> str:

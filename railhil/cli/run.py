@@ -83,11 +83,12 @@ def run_system(namespace: argparse.Namespace) -> System:
 
 
 def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
-    """The run of one law as described by the command line; None: the default law of the scenario's system.
+    """The run of one law as described by the command line; None: the default law of the scenario.
 
     :raises InputError: there is no such scenario.
     """
-    law = law_spec(namespace, run_system(namespace), controller, parameters)
+    scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
+    law = law_spec(namespace, scenario, controller, parameters)
     return replace(named_run(namespace, law), can=named_bus(namespace), start_up=start_up(namespace))
 
 

@@ -202,7 +202,7 @@ def local_run(
     :param controller: computes the commands instead of the run's law.
     :raises BusError, PlantError, InputError: the run is incomplete.
     """
-    spec = spec or RunSpec(law=LawSpec(scenario.installed_system.law))
+    spec = spec or RunSpec(law=LawSpec(scenario.usual_law))
     check_faults(scenario, [LOCAL], spec.pace)
     return LocalRun(local_plan(scenario, spec, folder, fd=fd), wire=wire, controller=controller).play()
 

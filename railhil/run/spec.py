@@ -57,9 +57,9 @@ def spec_of(
         refuse_beside(brought, {"arithmetic": arithmetic, "parameters": parameters, "memory": memory}, "railhil.run")
         return RunSpec(name, given, LawSpec.of_given(brought, indexing), faults=faults, **beside)
     if controller is None or arithmetic is None:
-        system = load_any(name, given, faults).installed_system
-        controller = system.law if controller is None else controller
-        arithmetic = system.arithmetic if arithmetic is None else arithmetic
+        loaded = load_any(name, given, faults)
+        controller = loaded.usual_law if controller is None else controller
+        arithmetic = loaded.installed_system.arithmetic if arithmetic is None else arithmetic
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
     memory_store = None if memory is None else str(Path(memory).resolve())
     return RunSpec(name, given, law, memory_store=memory_store, faults=faults, **beside)

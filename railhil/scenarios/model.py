@@ -81,6 +81,10 @@ class AnyScenario(Protocol):
         """Its system (:class:`railhil.scenarios.system.OfSystem`)."""
 
     @property
+    def usual_law(self) -> str:
+        """The law of its runs when none is asked for."""
+
+    @property
     def timing(self) -> Timing:
         """Ticks and periods."""
 

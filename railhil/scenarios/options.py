@@ -34,11 +34,12 @@ from railhil.scenarios.plant_fmu import MAP_OPTION, OPTION, PlantFmu
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION as SCENARIO_PIPE
 from railhil.scenarios.settings import normalise_fault, normalise_setting
-from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
 if TYPE_CHECKING:
     from railhil.scenarios.memory import Memory
+    from railhil.scenarios.model import AnyScenario
     from railhil.scenarios.parameters import ParameterSet
 
 _JOBS_MAX = 1024
@@ -283,7 +284,7 @@ def add_code_options(parser: argparse.ArgumentParser) -> None:
 
 def law_spec(
     namespace: argparse.Namespace,
-    system: System,
+    scenario: AnyScenario,
     controller: str | None,
     parameters: ParameterSet | None,
     memory: Memory | None = None,
@@ -291,7 +292,7 @@ def law_spec(
     """The law of a command line with :func:`add_law_options`.
 
     :param controller: name of a law, or text of a controller that the user brings.
-    :param system: of the scenario: its law and its arithmetic are the defaults.
+    :param scenario: its law and the arithmetic of its system are the defaults.
     :raises InputError: there is no such controller, or it takes no option that is given.
     """
     given = None if controller is None else given_controller(controller)
@@ -300,8 +301,8 @@ def law_spec(
             given, {"--arithmetic": namespace.arithmetic, "--parameters": parameters, "--memory-from": memory}
         )
         return LawSpec.of_given(given, namespace.indexing, namespace.task_period_ms)
-    arithmetic = namespace.arithmetic or system.arithmetic
-    law = controller or system.law
+    arithmetic = namespace.arithmetic or scenario.installed_system.arithmetic
+    law = controller or scenario.usual_law
     return LawSpec(law, arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
 

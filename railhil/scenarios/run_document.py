@@ -243,8 +243,9 @@ def merge_layers(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any
     document["settings"], document["faults"] = settings, faults_given
     with faults.kept():
         document["scenario"] = _find_scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
-        system = load_any(document["scenario"], settings, faults_given).installed_system
-        document.setdefault("controller", system.law)
+        scenario = load_any(document["scenario"], settings, faults_given)
+        system = scenario.installed_system
+        document.setdefault("controller", scenario.usual_law)
         document.setdefault("arithmetic", system.arithmetic)
         if by := said.get("controller"):
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))

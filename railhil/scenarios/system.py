@@ -301,6 +301,11 @@ class OfSystem:
         return system_named(self.system)
 
     @property
+    def usual_law(self) -> str:
+        """The law of its runs when none is asked for: that of its system."""
+        return self.installed_system.law
+
+    @property
     def marks(self) -> Mapping[str, Sequence[float | None]]:
         """Planned instants at which faults may begin (:data:`railhil.scenarios.fault_list.Marks`)."""
         return {}

@@ -172,7 +172,7 @@ def make_plan(request: Request) -> Plan:
     """
     scenario = load_any(request.scenario, request.settings, request.faults)
     system = scenario.installed_system
-    name = request.controller or system.law
+    name = request.controller or scenario.usual_law
     system.check_law(name, "command line", "--controller")
     require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.cli import complaint, railhil
+from railhil.cli.commands import parser
+from railhil.cli.run import spec_of
+from railhil.common.command_line import parse
 from railhil.common.errors import InputError
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load, load_any
+from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.model import Scenario
 
 
@@ -18,6 +23,22 @@ def test_a_section_of_a_line_is_a_scenario_of_ato() -> None:
     assert type(section) is Scenario
     assert (section.line, section.target, section.train) == (run.line, run.target, run.train)
     assert section.name == "yizhuang_out_section_5"
+
+
+def test_a_section_is_run_by_the_law_of_its_line_when_none_is_asked_for() -> None:
+    def law_of(*more: str) -> str:
+        given = ["run", "four_stops", "--section", "1", *more]
+        return spec_of(parse(parser(given), given), {}).law.controller
+
+    assert load("four_stops", settings=["section=1"]).usual_law == load_any("four_stops").usual_law == "ipfc_plus"
+    assert load("yizhuang_05").usual_law == "ipfc"
+    assert law_of() == "ipfc_plus"
+    assert law_of("--controller", "tdmc") == "tdmc"
+
+
+def test_the_law_of_a_section_changes_no_hash() -> None:
+    section = load("yizhuang_out", settings=["section=5"])
+    assert scenario_sha256(replace(section, law="")) == section.sha256
 
 
 def test_a_section_claims_no_train_protection() -> None:
@@ -76,7 +97,7 @@ def test_the_option_names_the_section_in_the_list_of_scenarios() -> None:
 
 @pytest.mark.slow
 def test_the_run_of_a_section_is_repeated_from_its_folder(tmp_path: Path) -> None:
-    run = ("run", "four_stops", "--section", "1", "--controller", "ipfc_plus", "--bus", "local")
+    run = ("run", "four_stops", "--section", "1", "--bus", "local")
     done = railhil(*run, "--no-report", "--out", "run", cwd=tmp_path)
     assert done.exit_code == 0, done.err
     again = railhil("rerun", "run", cwd=tmp_path)

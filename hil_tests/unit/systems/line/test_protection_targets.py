@@ -114,6 +114,49 @@ def test_a_ceiling_keeps_the_margin_in_kmh(four_stops: LineScenario) -> None:
     assert "(atp: permitted 60.0 less ato_margin_kmh)" in text
 
 
+def with_braking(line: LineScenario, braking_mps2: float, regulation: Any = "retime") -> LineScenario:
+    """Its curves of the timetable stay as they are; those that are made anew brake harder."""
+    generate = replace(line.route.generate, braking_max_mps2=braking_mps2)
+    return replace(line, route=replace(line.route, generate=generate, regulation=regulation))
+
+
+def test_the_fastest_curve_of_a_regulated_section_stays_below_the_warning(four_stops: LineScenario) -> None:
+    text = refusal(with_braking(four_stops, 0.9))
+    match = re.fullmatch(
+        r"line\.toml: target A - B, retimed to 98\.6 s: found ([0-9.]+) km/h at [0-9]+ m, "
+        r"allowed ([0-9.]+) km/h \(atp: warning\); a smaller route\.generate\.braking_max_mps2, or "
+        r"route\.regulation = none or profiles, makes it slower",
+        text,
+    )
+    assert match is not None, text
+    assert float(match[1]) > float(match[2])
+
+
+def test_without_regulation_no_curve_is_faster_than_that_of_the_timetable(four_stops: LineScenario) -> None:
+    check_targets(with_braking(four_stops, 0.9, "none"), refuse)
+
+
+def test_fastest_curves_above_the_permitted_speed_are_among_the_assumptions(
+    four_stops: LineScenario, yizhuang: LineScenario
+) -> None:
+    for line, count in ((four_stops, 1), (yizhuang, 2), (load_any("zurich"), 0)):
+        said = [sentence for sentence in line.assumptions if sentence.startswith("regulation: ")]
+        assert len(said) == (count > 0)
+        assert sum(sentence.count(" in ") for sentence in said) == count
+    assert "A - B in 98.6 s (0.1 km/h)" in " ".join(four_stops.assumptions)
+
+
+@pytest.mark.parametrize("name", ["four_stops", "yizhuang_out"])
+def test_a_profile_that_is_too_fast_is_refused_with_the_key_that_makes_it_slower(name: str) -> None:
+    with pytest.raises(InputError) as refused:
+        load_any(name, ["route.regulation=profiles"])
+    said = str(refused.value)
+    assert "\n" not in said
+    assert "profile fast: found " in said
+    assert "a larger reserve in route.profiles_percent[0], now 0, makes it slower" in said
+    load_any(name, ["route.regulation=profiles", "route.profiles_percent=[7, 9, 12]"])
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [

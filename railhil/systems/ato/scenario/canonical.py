@@ -9,8 +9,8 @@ from typing import Any
 from railhil.scenarios.model import canonical_text, list_injected_faults, text_sha256
 from railhil.systems.ato.scenario.model import Scenario
 
-#: Fields that only explain a scenario.
-_EXPLAINING = ("title", "assumptions", "published", "sha256")
+#: Fields that only explain a scenario, or say how it is run when nothing else is asked for.
+_EXPLAINING = ("title", "assumptions", "published", "sha256", "law")
 
 
 #: Fields that change no frame of a run, only its evaluation.

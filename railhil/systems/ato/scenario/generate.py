@@ -101,8 +101,14 @@ def _stretch(nodes: list[tuple[float, float]], running_time_s: float) -> TargetC
 
 def fastest_time_s(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> float:
     """Shortest running time under the same limits. Raises :class:`~.envelope.CurveError`."""
+    return generate_fastest(line, train, distance_m, limits)[0]
+
+
+def generate_fastest(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> tuple[float, TargetCurve]:
+    """Shortest running time in s under the same limits, and its curve. Raises :class:`~.envelope.CurveError`."""
     builder = _Builder(line, train, distance_m, limits)
-    return builder.curve(builder.top_mps)[-1][0]
+    nodes = builder.curve(builder.top_mps)
+    return nodes[-1][0], _stretch(nodes, nodes[-1][0])
 
 
 class _Builder:

@@ -240,6 +240,13 @@ class Scenario(OfSystem):
     #: The faults, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
     faults: tuple[str, ...] = ()
     safety: Safety = Safety()
+    #: The law of its runs when none is asked for; empty: that of its system.
+    law: str = ""
+
+    @property
+    def usual_law(self) -> str:
+        """The law of its runs when none is asked for."""
+        return self.law or self.installed_system.law
 
     @property
     def wheel_factor_max(self) -> float:

@@ -27,6 +27,7 @@ from railhil.systems.line.scenario.protection import (
     list_uncovered,
     protection_of,
 )
+from railhil.systems.line.scenario.protection_check import list_overspeeds
 from railhil.systems.line.scenario.statement import STATEMENT
 from railhil.systems.line.scenario.timetable import make_timetable
 
@@ -104,7 +105,8 @@ def read_line_scenario(
         emergency=emergency,
     )
     check.check_scenario(scenario, contract, refuse)
-    scenario = replace(scenario, sha256=scenario_sha256(scenario))
+    assumptions = (*scenario.assumptions, *list_overspeeds(scenario))
+    scenario = replace(scenario, assumptions=assumptions, sha256=scenario_sha256(scenario))
     return add_own_words(
         scenario, layers, lambda base: read_line_scenario(base, contract, lambda stops: ()), _select_run
     )

@@ -19,10 +19,11 @@ from railhil.systems.ato.scenario.model import Line, TargetCurve, Train
 from railhil.systems.ato.scenario.target import target_of
 from railhil.systems.line.braking.curve import DECELERATION_MIN_MPS2, GradeNotHeldError
 from railhil.systems.line.braking.limits import Braking
-from railhil.systems.line.braking.track import SpeedTarget, TrackLimits
+from railhil.systems.line.braking.track import Levels, SpeedTarget, TrackLimits
 from railhil.systems.line.scenario.model import LineScenario, Section
 from railhil.systems.line.scenario.protection import Protection, protection_balises
-from railhil.systems.line.scenario.sections import PROFILES
+from railhil.systems.line.scenario.sections import PROFILES, fastest_curve
+from railhil.systems.line.scenario.statement import OVERSPEED
 
 #: A red signal's supervised location lies this far behind it.
 SIGNAL_OVERLAP_M = 20.0
@@ -72,14 +73,13 @@ class _Sample:
             return gap_m
         return min(gap_m, service.place_m(speed_mps, service.times[which]) - self.estimated_m)
 
-    def permitted_mps(self, target: SpeedTarget, fastest_mps: float) -> float:
-        """Permitted speed before a target at this place."""
+    def limit_mps(self, target: SpeedTarget, which: int, fastest_mps: float) -> float:
+        """Speed of a limit before a target at this place."""
         emergency, service = target.emergency, target.service
-        found_mps = emergency.speed_mps(self.most_m, emergency.times[_PERMITTED], fastest_mps, self.accel_mps2)
+        found_mps = emergency.speed_mps(self.most_m, emergency.times[which], fastest_mps, self.accel_mps2)
         if service is not None:
-            lead_s = service.times[_PERMITTED]
-            found_mps = min(found_mps, service.speed_mps(self.estimated_m, lead_s, fastest_mps))
-        return max(found_mps, target.floor.permitted_mps)
+            found_mps = min(found_mps, service.speed_mps(self.estimated_m, service.times[which], fastest_mps))
+        return max(found_mps, _level_mps(target.floor, which))
 
 
 @lru_cache(maxsize=8)
@@ -118,6 +118,10 @@ def find_gaps(line: LineScenario, index: int, curve: TargetCurve) -> Gaps:
 def check_targets(line: LineScenario, refuse: Refuse) -> None:
     """Every target curve keeps the margins of the protection, and its brakes hold every grade on the way.
 
+    Where regulation may shorten the running time, the fastest curve of each section stays below the warning, which cuts
+    the traction off. Such a curve may pass the permitted speed, which the protection only tells
+    (:func:`list_overspeeds`).
+
     :raises InputError: with the section, its worst place and speed, and the speed that is allowed there.
     """
     if not line.atp.enabled:
@@ -130,8 +134,10 @@ def check_targets(line: LineScenario, refuse: Refuse) -> None:
             track.end_target(signal.position_m, signal.position_m + SIGNAL_OVERLAP_M, 0.0, 0.0)
         for section in line.sections:
             _check_target(line, section, section.target, "", refuse)
-            for name, curve in zip(PROFILES, section.profiles, strict=False):
-                _check_target(line, section, curve, f", profile {name}", refuse)
+            for place, curve in enumerate(section.profiles):
+                _check_target(line, section, curve, PROFILES[place], refuse)
+        for index, section in enumerate(line.sections if _shortens_times(line) else ()):
+            _check_fastest(line, section, fastest_curve(line, index), refuse)
     except GradeNotHeldError as error:
         quantity = {"emergency": "A_safe", "service": "A_expected"}[error.brake]
         place, speed = short_number(round(error.position_m, 1)), short_number(round(error.speed_mps * _KMH, 1))
@@ -142,38 +148,99 @@ def check_targets(line: LineScenario, refuse: Refuse) -> None:
         ) from None
 
 
-def _check_target(line: LineScenario, section: Section, curve: TargetCurve, which: str, refuse: Refuse) -> None:
-    """:param which: of the curves of the section, in words behind its name."""
-    protection = line.atp
-    track = track_of(protection, line.train, line.legs[section.leg])
-    targets = [_end_target(line, section, track), *track.lower]
-    worst: tuple[float, _Sample, float] | None = None
-    for sample in _samples(line, section, curve):
-        for permitted_mps in _limits_broken(sample, track, targets, protection):
-            if worst is None or sample.speed_mps - permitted_mps > worst[0]:
-                worst = sample.speed_mps - permitted_mps, sample, permitted_mps
-    if worst is not None:
-        _, sample, permitted_mps = worst
-        allowed_mps = max(permitted_mps - protection.ato_margin_mps, 0.0)
-        name = f"target {line.stops[section.departure].name} - {line.stops[section.arrival].name}{which}"
-        raise refuse(
-            (name,),
-            Finding(f"{sample.speed_mps * _KMH:.1f} km/h at {sample.estimated_m:.0f} m"),
-            f"{allowed_mps * _KMH:.1f} km/h (atp: permitted {permitted_mps * _KMH:.1f} less ato_margin_kmh)",
+def list_overspeeds(line: LineScenario) -> tuple[str, ...]:
+    """A sentence on the sections whose fastest curve passes the permitted speed; none if no section's does."""
+    found = []
+    for index, section in enumerate(line.sections if line.atp.enabled and _shortens_times(line) else ()):
+        breach = _find_breach(line, section, fastest_curve(line, index), _PERMITTED)
+        if breach is not None:
+            over_kmh = (breach.speed_mps - breach.limit_mps) * _KMH
+            found.append(f"{_name(line, section)} in {section.fastest_s:.1f} s ({over_kmh:.1f} km/h)")
+    return (f"{OVERSPEED}{', '.join(found)}",) if found else ()
+
+
+def _shortens_times(line: LineScenario) -> bool:
+    """Whether a late train may take less time than a checked curve: a profile has a curve of its own."""
+    return line.route.regulation == "retime"
+
+
+def _name(line: LineScenario, section: Section) -> str:
+    return f"{line.stops[section.departure].name} - {line.stops[section.arrival].name}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Breach:
+    """The place at which a curve is farthest above a limit."""
+
+    speed_mps: float
+    place_m: float
+    limit_mps: float
+
+    @property
+    def found(self) -> Finding:
+        """Speed and place in words."""
+        return Finding(f"{self.speed_mps * _KMH:.1f} km/h at {self.place_m:.0f} m")
+
+
+def _check_target(line: LineScenario, section: Section, curve: TargetCurve, profile: str, refuse: Refuse) -> None:
+    """:param profile: whose curve it is; empty: the timetable's."""
+    margin_mps = line.atp.ato_margin_mps
+    breach = _find_breach(line, section, curve, _PERMITTED, line.atp.ato_margin_m, margin_mps)
+    if breach is None:
+        return
+    allowed_mps = max(breach.limit_mps - margin_mps, 0.0)
+    allowed = f"{allowed_mps * _KMH:.1f} km/h (atp: permitted {breach.limit_mps * _KMH:.1f} less ato_margin_kmh)"
+    if profile:
+        place = PROFILES.index(profile)
+        reserve = f"route.profiles_percent[{place}], now {line.route.profiles_percent[place]:g}"
+        allowed += f"; a larger reserve in {reserve}, makes it slower"
+    name = f"target {_name(line, section)}{f', profile {profile}' if profile else ''}"
+    raise refuse((name,), breach.found, allowed)
+
+
+def _check_fastest(line: LineScenario, section: Section, curve: TargetCurve, refuse: Refuse) -> None:
+    breach = _find_breach(line, section, curve, _WARNING)
+    if breach is not None:
+        name = f"target {_name(line, section)}, retimed to {section.fastest_s:.1f} s"
+        allowed = (
+            f"{breach.limit_mps * _KMH:.1f} km/h (atp: warning); a smaller route.generate.braking_max_mps2, or "
+            "route.regulation = none or profiles, makes it slower"
         )
+        raise refuse((name,), breach.found, allowed)
 
 
-def _limits_broken(
-    sample: _Sample, track: TrackLimits, targets: list[SpeedTarget], protection: Protection
-) -> Iterator[float]:
-    """Permitted speed of each limit to which a curve keeps no margin."""
-    ceiling_mps = track.ceiling(sample.least_m, sample.most_m).permitted_mps
-    if sample.speed_mps + protection.ato_margin_mps > ceiling_mps + _ROUNDING_MPS:
-        yield ceiling_mps
-    for target in targets:
-        is_ahead = target.matters_from_m <= sample.most_m < target.place_m
-        if is_ahead and sample.gap_m(target, _PERMITTED) < protection.ato_margin_m:
-            yield sample.permitted_mps(target, ceiling_mps)
+def _find_breach(
+    line: LineScenario,
+    section: Section,
+    curve: TargetCurve,
+    which: int,
+    margin_m: float = 0.0,
+    margin_mps: float = 0.0,
+) -> _Breach | None:
+    """Where a curve is farthest above a limit; None: it keeps the margins everywhere.
+
+    :param margin_m: way to the limits before targets. ``margin_mps``: speed below the ceilings.
+    """
+    track = track_of(line.atp, line.train, line.legs[section.leg])
+    targets = [_end_target(line, section, track), *track.lower]
+    worst: _Breach | None = None
+    for sample in _samples(line, section, curve):
+        ceiling_mps = _level_mps(track.ceiling(sample.least_m, sample.most_m), which)
+        broken = [ceiling_mps] if sample.speed_mps + margin_mps > ceiling_mps + _ROUNDING_MPS else []
+        for target in targets:
+            is_ahead = target.matters_from_m <= sample.most_m < target.place_m
+            if is_ahead and sample.speed_mps > _level_mps(target.floor, which) and (
+                sample.gap_m(target, which) < margin_m
+            ):  # fmt: skip
+                broken.append(sample.limit_mps(target, which, ceiling_mps))
+        for limit_mps in broken:
+            if worst is None or sample.speed_mps - limit_mps > worst.speed_mps - worst.limit_mps:
+                worst = _Breach(sample.speed_mps, sample.estimated_m, limit_mps)
+    return worst
+
+
+def _level_mps(levels: Levels, which: int) -> float:
+    return levels.permitted_mps if which == _PERMITTED else levels.warning_mps
 
 
 def _end_target(line: LineScenario, section: Section, track: TrackLimits) -> SpeedTarget:

@@ -10,11 +10,11 @@ from functools import lru_cache
 
 from railhil.scenarios import profiles
 from railhil.systems.ato.scenario.canonical import scenario_sha256
-from railhil.systems.ato.scenario.generate import CurveLimits, fastest_time_s, generate
+from railhil.systems.ato.scenario.generate import CurveLimits, generate, generate_fastest
 from railhil.systems.ato.scenario.model import Balise, Line, Perturbations, RunPlan, Scenario, TargetCurve, Train
 from railhil.systems.ato.scenario.target import target_of
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.systems.line.scenario.statement import PROTECTION
+from railhil.systems.line.scenario.statement import OVERSPEED, PROTECTION
 
 #: Largest running time of a section, as a multiple of that of the timetable (chosen).
 RUNNING_TIME_MAX_RATIO = 1.3
@@ -89,7 +89,8 @@ def section_scenario(
         energy=line.energy,
         watch=line.watch,
         perturbations=replace(perturbations, mass_factor=drawn.mass_factor or drawn.section_mass_factor),
-        assumptions=tuple(sentence for sentence in line.assumptions if sentence != PROTECTION),
+        law=line.usual_law,
+        assumptions=tuple(sentence for sentence in line.assumptions if not sentence.startswith((PROTECTION, OVERSPEED))),
     )
     return replace(scenario, sha256=scenario_sha256(scenario))
 
@@ -171,7 +172,18 @@ def generate_once(
 
 
 @lru_cache(maxsize=256)
-def find_fastest_s(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> float:
-    """:func:`railhil.systems.ato.scenario.generate.fastest_time_s`, found once for equal arguments: a command loads its
-    scenario more than once."""
-    return fastest_time_s(line, train, distance_m, limits)
+def find_fastest(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> tuple[float, TargetCurve]:
+    """:func:`railhil.systems.ato.scenario.generate.generate_fastest`, made once for equal arguments: a command loads
+    its scenario more than once."""
+    return generate_fastest(line, train, distance_m, limits)
+
+
+def fastest_curve(line: LineScenario, index: int) -> TargetCurve:
+    """The curve of the shortest running time that regulation can ask a section for.
+
+    :param index: number of the section, from 0.
+    """
+    section = line.sections[index]
+    from_m, to_m = line.stops[section.departure].position_m, line.stops[section.arrival].position_m
+    track = cut_section(line.legs[section.leg], line.train, from_m, to_m, "")
+    return find_fastest(track, line.train, to_m - from_m, line.route.generate)[1]

@@ -9,6 +9,11 @@ PROTECTION: Final = (
     "the train protection is modelled after the published structure of SUBSET-026-3, 3.13; it is no implementation of "
     "it, and no conformity is claimed"
 )
+#: Of the fastest curves of its regulation, which a section run by itself does not have either; sections follow.
+OVERSPEED: Final = (
+    "regulation: a train that is late and takes the shortest running time passes the permitted speed of the train "
+    "protection, below its warning: "
+)
 #: Sentences for ``Scenario.assumptions`` of every line.
 STATEMENT: Final = (
     PROTECTION,

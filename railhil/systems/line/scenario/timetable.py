@@ -19,7 +19,7 @@ from railhil.systems.line.scenario.legs import LaidRoute, LaidStop
 from railhil.systems.line.scenario.model import Service, StationStop
 from railhil.systems.line.scenario.protection import Protection, check_overlaps
 from railhil.systems.line.scenario.schema import LegTable, RouteTable
-from railhil.systems.line.scenario.sections import cut_section, find_fastest_s
+from railhil.systems.line.scenario.sections import cut_section, find_fastest
 
 #: Rounding of sums of times, s.
 _ROUNDING_S = 1e-9
@@ -75,7 +75,7 @@ def _lay_way(
     from_m, to_m = stops[here].position_m, stops[there].position_m
     track = cut_section(laid.legs[leg], train, from_m, to_m, "")
     try:
-        fastest_s = find_fastest_s(track, train, to_m - from_m, limits)
+        fastest_s, _ = find_fastest(track, train, to_m - from_m, limits)
     except CurveError as error:
         words = Words(f"section {stops[here].name} - {stops[there].name}: {error}")
         raise refuse(("route", "generate"), words, "a run that line and train permit") from None
