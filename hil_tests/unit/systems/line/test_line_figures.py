@@ -21,6 +21,7 @@ from railhil.systems.line.panels import pictures
 from railhil.systems.line.panels.drawn import DOORS, EXCHANGE, HOLD, DrawnRun
 from railhil.systems.line.planned import fold_positions, planned_motion
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
+from railhil.wire.line import SignalAspect, StnInfo
 
 _LATE_S = 20.0
 
@@ -164,3 +165,44 @@ def test_a_round_trip_folds_at_its_turn_back() -> None:
     np.testing.assert_allclose(places_m, places_m[::-1], atol=1e-6)
     assert places_m.argmax() == 13
     assert np.isnan(fold_positions(line, np.array([np.nan])))[0]
+
+
+def test_each_of_several_runs_has_its_own_permitted_speed_and_emergency_brake(tmp_path: Path) -> None:
+    runs = [imagined(), ImaginedRun(four_stops())]
+    records = [record(run, tmp_path, label=label) for run, label in zip(runs, ("late", "on time"), strict=True)]
+    figures = pictures(four_stops(), records)
+    for name in ("speed", "approaches"):
+        one = figure(figures, name)
+        for chart in (one.charts[0], one.charts[-1])[: 1 if name == "speed" else 2]:
+            curves = {drawn.label: drawn for drawn in chart.curves}
+            assert {"P late", "P on time", "EBI late", "EBI on time"} <= {*curves}
+            assert curves["P late"].run != curves["P on time"].run
+            assert curves["P late"].look.colour == curves["late"].look.colour
+        assert one.caption.count("as the train protection told them.") == 1
+    for chart in figure(figures, "approaches").charts:
+        assert [band.label for band in chart.bands] == ["interval late", "interval on time"]
+
+
+class HeldRed(ImaginedRun):
+    """A signal is told red from 90 s to 110 s, and from 145 s to 160 s at the second stop."""
+
+    def _station(self, now_s: float) -> StnInfo:
+        is_red = 90.0 <= now_s < 110.0 or 145.0 <= now_s < 160.0
+        return replace(super()._station(now_s), signal_next=SignalAspect.RED if is_red else SignalAspect.NONE)
+
+
+def test_a_signal_that_a_fault_holds_red_is_drawn_where_and_when_the_record_shows_it(tmp_path: Path) -> None:
+    line = replace(four_stops(), signals=(RouteSignal(1100.0, 100.0),))
+    run = HeldRed(line)
+    (graph, _) = figure(pictures(line, [record(run, tmp_path)]), "train-graph").charts
+    planned, *held = (area for area in graph.areas if area.kind == "fault")
+    assert (planned.x, planned.y) == ((0.0, 100.0), (1100.0, 1100.0))
+    assert [area.y for area in held] == [(1100.0, 1100.0), (1200.0, 1200.0)]
+    assert {area.label for area in held} == {"red signal"}
+    assert held[0].x == pytest.approx((100.0, 110.0), abs=0.2)
+    assert held[1].x == pytest.approx((145.0, 160.0), abs=0.2)
+
+
+def test_a_run_without_a_signal_held_red_has_none_in_its_graph(tmp_path: Path) -> None:
+    (graph, _) = figure(pictures(four_stops(), [record(imagined(), tmp_path)]), "train-graph").charts
+    assert sum(area.kind == "fault" for area in graph.areas) == 1

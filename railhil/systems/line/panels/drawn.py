@@ -17,7 +17,7 @@ from railhil.report.styles import Style
 from railhil.systems.ato.judge.measures import KMH
 from railhil.systems.line.scenario.model import LineScenario
 from railhil.wire.ato import SimTruth
-from railhil.wire.line import AtpLim, AtpStat, DoorStat, DoorState, StnInfo
+from railhil.wire.line import AtpLim, AtpStat, DoorStat, DoorState, SignalAspect, StnInfo
 
 #: Rows of SIM_TRUTH after a departure until STN_INFO tells the next section, at most.
 _TOLD_ROWS = 16
@@ -30,6 +30,15 @@ class Spell(NamedTuple):
 
     stop: int
     kind: str
+    begun_s: float
+    until_s: float
+
+
+class Red(NamedTuple):
+    """A time for which the record shows a red signal that is not red by the scenario: place in the run in m, begin and
+    end in s."""
+
+    position_m: float
     begun_s: float
     until_s: float
 
@@ -159,6 +168,34 @@ class DrawnRun:
                 found[-1] = found[-1]._replace(until_s=self._next(time_s, row))
             else:
                 found.append(Spell(int(stop), kind, at_s, self._next(time_s, row)))
+        return found
+
+    def reds(self) -> list[Red]:
+        """Red signals that the scenario does not have red then, in the order of time, from STN_INFO: a fault holds
+        them. Its place is that of the next signal on the way; without one the exit of the stop where the train stands.
+        """
+        port, trace, line = StnInfo.PORT, self.trace, self.scenario
+        time_s, is_red = trace.times_s(port), trace.raw(port, "SignalNext") == SignalAspect.RED
+        here, legs = trace.values(port, "StationHere"), trace.values(port, "Leg")
+        places_m = np.interp(time_s, self.time_s, self.position_m)
+        found: list[Red] = []
+        for row in np.flatnonzero(is_red & np.isfinite(places_m)).tolist():
+            at_s, place_m = float(time_s[row]), float(places_m[row])
+            stop = line.stops[int(here[row]) - 1] if here[row] > 0 else None
+            leg = int(legs[row]) + int(stop is not None and stop.turn_back)
+            ahead = [one for one in line.signals if one.leg == leg and one.position_m >= place_m]
+            signal = min(ahead, key=lambda one: one.position_m, default=None)
+            if signal is not None and at_s < signal.clear_s:
+                continue
+            if signal is not None:
+                place_m = signal.position_m
+            elif stop is not None:
+                place_m = stop.position_m
+            until_s = self._next(time_s, row)
+            if found and found[-1].until_s == at_s and found[-1].position_m == place_m:
+                found[-1] = found[-1]._replace(until_s=until_s)
+            else:
+                found.append(Red(place_m, at_s, until_s))
         return found
 
     @staticmethod

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from railhil.charts.figure import TARGET, ZERO, Area, Band, Chart, Curve, Figure, Look
 from railhil.record.trace import FloatArray
@@ -17,6 +18,8 @@ from railhil.systems.line.scenario.model import LineScenario, Section
 _LIMIT = Look("dim", 1.4, (2.0, 2.0))
 _PERMITTED, _EBI = Look("dim", 1.4), Look("fault", 1.2)
 _INTERVAL = Look("6")
+#: Width and dashes of P and EBI beside other runs, whose colours they have.
+_AMONG = ((1.0, (5.0, 2.0)), (1.0, (1.5, 2.0)))
 #: Interval of the limit, m.
 _STEP_M = 5.0
 _SPEED_PX, _GRADE_PX, _APPROACH_PX = 310, 60, 170
@@ -36,15 +39,33 @@ def speed(line: LineScenario, runs: Sequence[DrawnRun]) -> Figure:
         "Train, planned speed of the timetable, and speed limit in force for the whole train; the grade of the line "
         "(up positive)."
     )
-    if runs[0].has_protection:
-        caption += _protection_words(runs)
+    caption += _protection_words(runs)
     charts = [chart for leg in range(len(line.legs)) for chart in _leg(line, leg, runs)]
     return Figure("speed", "Speed over distance", caption, charts)
 
 
 def _protection_words(runs: Sequence[DrawnRun]) -> str:
-    whose = f" (of {runs[0].label})" if len(runs) > 1 else ""
+    """What P and EBI are, and of which runs; empty if no run has a train protection."""
+    told = [run.label for run in runs if run.has_protection]
+    if not told:
+        return ""
+    whose = "" if len(told) == len(runs) else f" (of {', '.join(told)} only)"
     return f" P: permitted speed, EBI: intervention of the emergency brake, as the train protection told them{whose}."
+
+
+def _protection_curves(run: DrawnRun, at_m: FloatArray, rows: npt.NDArray[np.int64]) -> list[Curve]:
+    """P and EBI of a run at some of its rows; none without a train protection. Beside other runs they carry its name
+    and its colour."""
+    if not run.has_protection:
+        return []
+    of = f" {run.label}" if run.is_among else ""
+    permitted, ebi = _PERMITTED, _EBI
+    if run.is_among:
+        permitted, ebi = (Look(run.style.look.colour, width, dashes) for width, dashes in _AMONG)
+    return [
+        Curve(f"P{of}", at_m, run.permitted_kmh[rows], permitted, "km/h", run=run.number),
+        Curve(f"EBI{of}", at_m, run.ebi_kmh[rows], ebi, "km/h", run=run.number),
+    ]
 
 
 def leg_bounds(line: LineScenario, leg: int) -> tuple[float, float]:
@@ -66,12 +87,10 @@ def _leg(line: LineScenario, leg: int, runs: Sequence[DrawnRun]) -> list[Chart]:
         Curve("limit", front_m, limit_kmh, _LIMIT, "km/h", is_step=True),
         Curve("plan", planned.position_m[own], planned.speed_mps[own] * KMH, TARGET, "km/h"),
     ]
-    for place, run in enumerate(runs):
+    for run in runs:
         rows = run.leg_rows(leg)
         at_m = run.position_m[rows]
-        if place == 0 and run.has_protection:
-            curves.append(Curve("P", at_m, run.permitted_kmh[rows], _PERMITTED, "km/h", run=run.number))
-            curves.append(Curve("EBI", at_m, run.ebi_kmh[rows], _EBI, "km/h", run=run.number))
+        curves += _protection_curves(run, at_m, rows)
         curves.append(Curve(run.label, at_m, run.speed_kmh[rows], run.look, "km/h", run=run.number))
     names = {
         stop.position_m: shorten_name(stop.name, _LETTERS) for stop in line.stops if low_m <= stop.position_m <= high_m
@@ -106,8 +125,8 @@ def approaches(line: LineScenario, runs: Sequence[DrawnRun]) -> Figure:
         f"The last {_BEFORE_M:g} m before each stop; the narrow band is the allowed stop error. The planned curve is "
         "that of the timetable: a run that departed late follows another one."
     )
-    if runs[0].has_protection:
-        caption += _protection_words(runs) + " The band along the speed is its interval of the position."
+    if words := _protection_words(runs):
+        caption += f"{words} The band along the speed is its interval of the position."
     charts = [
         # Charts of one row are equally high.
         _approach(line, number, section, runs, (number - 1) // _ACROSS >= (len(line.sections) - _ACROSS) // _ACROSS)
@@ -125,17 +144,18 @@ def _approach(line: LineScenario, number: int, section: Section, runs: Sequence[
     curves = [Curve("plan", planned.position_m[near] - stop.position_m, planned.speed_mps[near] * KMH, TARGET,
                     "km/h")]  # fmt: skip
     bands = []
-    for place, run in enumerate(runs):
+    for run in runs:
         first, after = run.section_rows(number)
         at_m = run.position_m[first:after] - stop.position_m
         rows = first + np.flatnonzero((at_m >= -_BEFORE_M) & (at_m <= _BEHIND_M) | np.isnan(at_m))
         at_m, kmh = run.position_m[rows] - stop.position_m, run.speed_kmh[rows]
-        if place == 0 and run.has_protection:
+        if run.has_protection:
             half_m = run.uncertainty_m[rows]
-            bands.append(Band("interval", at_m - half_m, kmh, kmh, _INTERVAL, at_m + half_m, run.number))
-            curves.append(_curve("P", at_m, run.permitted_kmh[rows], _PERMITTED, run.number))
-            curves.append(_curve("EBI", at_m, run.ebi_kmh[rows], _EBI, run.number))
-        curves.append(_curve(run.label, at_m, kmh, run.look, run.number))
+            label = f"interval {run.label}" if run.is_among else "interval"
+            look = Look(run.style.look.colour) if run.is_among else _INTERVAL
+            bands.append(Band(label, at_m - half_m, kmh, kmh, look, at_m + half_m, run.number))
+        curves += _protection_curves(run, at_m, rows)
+        curves.append(Curve(run.label, at_m, kmh, run.look, "km/h", run=run.number))
     limit_m = stop.stop_error_max_m
     return Chart(
         curves,
@@ -148,7 +168,3 @@ def _approach(line: LineScenario, number: int, section: Section, runs: Sequence[
         height_px=_APPROACH_PX,
         share=1 / _ACROSS,
     )
-
-
-def _curve(label: str, x: FloatArray, y: FloatArray, look: Look, run: int) -> Curve:
-    return Curve(label, x, y, look, "km/h", run=run)

@@ -71,7 +71,7 @@ def _graph(line: LineScenario, runs: Sequence[DrawnRun], bounds: tuple[float, fl
         "",
         bounds,
         (low_m - margin_m, high_m + margin_m),
-        areas=[*bars, *_signals(line)],
+        areas=[*bars, *_signals(line), *_held_signals(line, runs)],
         bands=[_late_band(line, run, len(runs) > 1) for run in runs],
         y_names=names,
         sync=TIME,
@@ -118,6 +118,16 @@ def _signals(line: LineScenario) -> Iterator[Area]:
         place_m = float(fold_positions(line, signal.position_m))
         text = f"signal at {signal.position_m:g} m, red until {signal.clear_s:g} s"
         yield Area((0.0, signal.clear_s), (place_m, place_m), "fault", text, label="red signal")
+
+
+def _held_signals(line: LineScenario, runs: Sequence[DrawnRun]) -> Iterator[Area]:
+    """Signals that are red in a record, and not by the scenario."""
+    for run in runs:
+        for red in run.reds():
+            place_m = float(fold_positions(line, red.position_m))
+            text = f"signal at {red.position_m:g} m, held red from {red.begun_s:.1f} s to {red.until_s:.1f} s"
+            text = f"{run.label}, {text}" if len(runs) > 1 else text
+            yield Area((red.begun_s, red.until_s), (place_m, place_m), "fault", text, run.number, "red signal")
 
 
 def _lateness(line: LineScenario, runs: Sequence[DrawnRun], bounds: tuple[float, float]) -> Chart:

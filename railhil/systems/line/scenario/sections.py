@@ -90,7 +90,9 @@ def section_scenario(
         watch=line.watch,
         perturbations=replace(perturbations, mass_factor=drawn.mass_factor or drawn.section_mass_factor),
         law=line.usual_law,
-        assumptions=tuple(sentence for sentence in line.assumptions if not sentence.startswith((PROTECTION, OVERSPEED))),
+        assumptions=tuple(
+            sentence for sentence in line.assumptions if not sentence.startswith((PROTECTION, OVERSPEED))
+        ),
     )
     return replace(scenario, sha256=scenario_sha256(scenario))
 
