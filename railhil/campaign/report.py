@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,11 @@ import pyarrow as pa
 
 from railhil.campaign.distributions import distributions
 from railhil.campaign.plan import Plan, make_plan
+from railhil.campaign.show import noted_words
 from railhil.campaign.study import CAMPAIGN
-from railhil.common.digits import percent
+from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
+from railhil.judge.judging import Judging, Noted
 from railhil.record.hash_list import REPORT, check_hash_list, listed_file
 from railhil.report.templates import script, styles_text, template
 from railhil.scenarios.given import KEY, RecordedController, is_law_name
@@ -39,7 +41,9 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, 
         railhil=railhil,
         columns=plan.criteria,
         rows=[_row(plan, label, law) for label, law in summary["laws"].items()],
-        worst=[_worst(label, run, folder) for label, law in summary["laws"].items() for run in law["worst"]],
+        worst=[
+            _worst(label, run, folder, plan.judging) for label, law in summary["laws"].items() for run in law["worst"]
+        ],
         spread_picture=distributions(summary, plan.criteria, table),
         chart_scripts=script(),
         chart_styles=styles_text(),
@@ -55,17 +59,33 @@ def _row(plan: Plan, label: str, law: Mapping[str, Any]) -> dict[str, Any]:
     invalid = law["invalid"]["reasons"] if "invalid" in law else {}
     kinds = [*law["failures"].items(), *((f"INVALID: {kind}", count) for kind, count in invalid.items())]
     failures = "; ".join(f"{kind} ({count})" for kind, count in kinds)
-    return {"label": label, "cells": cells, "passed": percent(law["inside"]["pass"]["share"]), "failures": failures}
+    return {
+        "label": label,
+        "cells": cells,
+        "passed": percent(law["inside"]["pass"]["share"]),
+        "failures": failures,
+        "noted": [words for one in plan.judging.noted if (words := _noted(one, law[one.key]))],
+    }
 
 
-def _worst(label: str, run: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def _noted(noted: Noted, found: Sequence[Mapping[str, Any]]) -> str:
+    """Runs by what is noted of them, such as their worst stop, in words."""
+    words = [
+        f"{one['name']} in {count_of(one['runs'], 'run')}"
+        + ("" if one[noted.value_key] is None else f" (largest {one[noted.value_key]:+.{noted.digits}f} {noted.unit})")
+        for one in found
+    ]
+    return f"{noted.title}: {'; '.join(words)}" if words else ""
+
+
+def _worst(label: str, run: Mapping[str, Any], folder: Path, judging: Judging) -> dict[str, Any]:
     place = f"{_AGAIN}/{label}-{run['seed']}"
     report = f"{place}/{REPORT}"
     return {
         "name": f"{label}-{run['seed']}",
         "label": label,
         "seed": run["seed"],
-        "why": "; ".join([", ".join(run["why"]), *run["failures"]]),
+        "why": "; ".join([", ".join(run["why"]), *noted_words(run, judging), *run["failures"]]),
         "command": f"{run['command']} --out {shlex.quote(place)}",
         "link": report if (folder / report).is_file() else "",
     }

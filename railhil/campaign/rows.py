@@ -33,6 +33,8 @@ def schema(judging: Judging) -> pa.Schema:
             pa.field("verdict", pa.string(), nullable=False),
             pa.field("ended", pa.string(), nullable=False),
             *(pa.field(name, pa.float64()) for name in numbers),
+            *(pa.field(one.key, pa.string()) for one in judging.noted),
+            *(pa.field(one.value_key, pa.float64()) for one in judging.noted),
             *(pa.field(name, pa.int64(), nullable=False) for name in COUNTS),
             pa.field("failures", pa.list_(pa.string()), nullable=False),
             pa.field("notch_digest", pa.string(), nullable=False),
@@ -66,6 +68,9 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
         name: pa.array(np.asarray(values, dtype=float), from_pandas=True)
         for name, values in (found | dict(result.extras)).items()
     }
+    for one in judging.noted:
+        noted = [one.of(score) or (None, None) for score in result.scores]
+        columns |= {key: [row[place] for row in noted] for place, key in enumerate((one.key, one.value_key))}
     return pa.table(columns, schema=schema(judging))
 
 

@@ -14,7 +14,7 @@ from railhil.charts.notebook import html_cell, html_figure, html_paragraph, html
 from railhil.common.digits import count_of, percent, text_beside_limit
 from railhil.common.output import Output, titled_table
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
-from railhil.judge.judging import Judging
+from railhil.judge.judging import Judging, Noted
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
 
@@ -111,8 +111,20 @@ def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table
     return made
 
 
-def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
-    """The values of a run that have a limit, and its failures."""
+def _noted(summary: Mapping[str, Any], noted: Noted) -> Table:
+    """How many runs have each name, and the value of largest size."""
+    made = titled_table(f"Runs by their {noted.title}", ("law", noted.title), ("runs", f"largest\n{noted.unit}"))
+    for label, law in summary["laws"].items():
+        for i, one in enumerate(law[noted.key]):
+            value = one[noted.value_key]
+            shown = "-" if value is None else f"{value:+.{noted.digits}f}"
+            made.add_row("" if i else label, one["name"], f"{one['runs']:,}", shown)
+    return made
+
+
+def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], judging: Judging) -> str:
+    """The values of a run that have a limit, what is noted of it, and its failures."""
+    criteria = _limits(summary, judging.criteria)
     values = [(criterion, run[limit_key(criterion)], summary["limits"][limit_key(criterion)]) for criterion in criteria]
     said = ", ".join(
         f"{criterion.brief} {text_beside_limit(value, limit, 3, '+' if criterion.signed else '')} {criterion.unit}"
@@ -120,7 +132,12 @@ def _errors(run: Mapping[str, Any], summary: Mapping[str, Any], criteria: Sequen
         if value is not None
     )
     failed = f"{run.get('verdict', 'FAIL')}: {'; '.join(run['failures'])}" if run["failures"] else ""
-    return "; ".join(filter(None, (said, failed)))
+    return "; ".join(filter(None, (said, *noted_words(run, judging), failed)))
+
+
+def noted_words(run: Mapping[str, Any], judging: Judging) -> list[str]:
+    """What is noted of one of the worst runs, in words."""
+    return [words for one in judging.noted if (words := one.shown(run[one.key], run[one.value_key]))]
 
 
 def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
@@ -146,6 +163,7 @@ def tables(summary: Mapping[str, Any], judging: Judging) -> list[Table]:
     found = [_scores(summary, criteria), _inside(summary, judging)]
     if all("stopped_within_m" in law for law in summary["laws"].values()):
         found.append(_stops(summary))
+    found += [_noted(summary, one) for one in judging.noted]
     if summary["against_baseline"]:
         found.append(_against(summary, criteria))
     return found
@@ -182,7 +200,6 @@ def cell_html(summary: Mapping[str, Any], judging: Judging, figure: Figure, fold
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
     """Print all tables, then the worst runs with the commands that repeat them on the bench."""
-    criteria = judging.criteria
     console.say(headline(summary))
     for made in tables(summary, judging):
         for warning in summary["warnings"]:
@@ -196,6 +213,6 @@ def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Jud
     console.say("Worst runs, and the command that makes each again on the bench", style="bold")
     for label, law in summary["laws"].items():
         for run in law["worst"]:
-            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, summary, _limits(summary, criteria))}")
+            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, summary, judging)}")
             console.say(f"  {run['command']}", style="dim")
     console.say(f"campaign folder {folder}")

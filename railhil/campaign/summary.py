@@ -16,6 +16,7 @@ from railhil.campaign.rows import rows_of
 from railhil.campaign.worst import failures_of, without_stop, worst_runs
 from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.judge.judging import Noted
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.table import numbers
@@ -94,6 +95,19 @@ def _kinds(rows: pa.Table, chosen: NDArray[np.bool_]) -> dict[str, int]:
     return {kind: count for kind, count in counts.items() if count}
 
 
+def _noted(noted: Noted, rows: pa.Table) -> list[dict[str, Any]]:
+    """Number of runs with each name, the most first, and the value of largest size among them (None: none has one)."""
+    values: dict[str, list[float]] = {}
+    for name, value in zip(rows[noted.key].to_pylist(), rows[noted.value_key].to_pylist(), strict=True):
+        if name is not None:
+            values.setdefault(name, []).append(math.nan if value is None else value)
+    found = []
+    for name, given in values.items():
+        known = [value for value in given if not math.isnan(value)]
+        found.append({"name": name, "runs": len(given), noted.value_key: max(known, key=abs, default=None)})
+    return sorted(found, key=lambda one: (-one["runs"], one["name"]))
+
+
 def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
     limits = limited(plan.criteria, plan.scenario)
     inside = {key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key)) for criterion in limits}
@@ -119,6 +133,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
         # Runs that say nothing about the controller, and why; without such a run there is no such key.
         **({"invalid": {"runs": int(invalid.sum()), "reasons": _kinds(rows, invalid)}} if invalid.any() else {}),
         **_stops(limits, rows),
+        **{one.key: _noted(one, rows) for one in plan.judging.noted},
         **{extra.counted: int(np.count_nonzero(numbers(rows, extra.key) > 0)) for extra in plan.judging.extras},
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),

@@ -91,6 +91,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
                 "why": why_all,
                 **{limit_key(criterion): run[column_of(criterion)] for criterion in criteria},
                 **{extra.key: run[extra.key] for extra in plan.judging.extras},
+                **{key: run[key] for one in plan.judging.noted for key in (one.key, one.value_key)},
                 "ended": run["ended"],
                 **({"verdict": "INVALID"} if run["verdict"] == "INVALID" else {}),
                 "failures": run["failures"],

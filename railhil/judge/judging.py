@@ -33,6 +33,28 @@ class SequenceMeasure:
     in_a_row: int = 3
 
 
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """A named thing of each run, such as its worst stop, in the rows and tables of a campaign.
+
+    ``key``: column of the name, ``value_key``: of its value, in ``unit`` with ``digits`` decimals and a sign. ``of``:
+    name and value from a score; None: the run has none.
+    """
+
+    key: str
+    title: str
+    value_key: str
+    unit: str
+    digits: int
+    of: Callable[[Score], tuple[str, float | None] | None]
+
+    def shown(self, name: str | None, value: float | None) -> str:
+        """Title, name and value in words; empty without a name."""
+        if name is None:
+            return ""
+        return f"{self.title} {name}" + ("" if value is None else f" {value:+.{self.digits}f} {self.unit}")
+
+
 def sequence_measures(scenario: Any, judging: Judging) -> Sequence[SequenceMeasure]:
     """The measures of a scenario: its system's, else one for each of its limits."""
     if judging.learned:
@@ -91,6 +113,8 @@ class Judging:
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.
 
+    ``noted``: named things of each run, such as its worst stop.
+
     ``learned``: measures over sequences of runs; empty: each limit
     (:func:`railhil.judge.judging.sequence_measures`).
 
@@ -122,6 +146,7 @@ class Judging:
     interlocks: tuple[Interlocks, ...] = ()
     received: Callable[[Any], Sequence[Received]] = _nothing
     learned: tuple[SequenceMeasure, ...] = ()
+    noted: tuple[Noted, ...] = ()
     ends_at_m: Callable[[Any], float | None] = _no_place
     places: Callable[[Any], Sequence[Place]] = _nothing
     strip: tuple[str, ...] = ()

@@ -4,28 +4,43 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 from rich.console import Console
 
 from railhil.campaign.plan import Plan, Request, make_plan
+from railhil.campaign.report import page
 from railhil.campaign.rows import table_of
 from railhil.campaign.show import _inside, _scores, show
 from railhil.campaign.summary import summary
 from railhil.common.output import Output
+from railhil.judge.score import Score
+from railhil.judge.stops import PlannedStop, ScoredStop, Standstill
 
 
-def made(plan: Plan, values: dict[str, Any], failures: list[tuple[str, ...]], verdicts: Sequence[str] = ()) -> pa.Table:
-    """Runs with these values by criterion (0.5 of all others), failures and verdicts (by the failures if empty)."""
+def made(
+    plan: Plan,
+    values: dict[str, Any],
+    failures: list[tuple[str, ...]],
+    verdicts: Sequence[str] = (),
+    scores: Sequence[Score] = (),
+) -> pa.Table:
+    """Runs with these values by criterion (0.5 of all others), failures and verdicts (by the failures if empty).
+
+    :param scores: of a system whose campaigns note more than the values.
+    """
     runs = len(failures)
     every = {one.key: np.full(runs, 0.5) for one in plan.criteria} | {
         key: np.array(column, dtype=float) for key, column in values.items()
     }
     result = SimpleNamespace(
         seed=np.arange(1000, 1000 + runs),
+        scores=tuple(scores or (Score("PASS", {}, {}, (), "ended_complete"),) * runs),
         values=every,
         signed={one.signed: every[one.key] for one in plan.criteria if one.signed},
         extras={extra.key: np.zeros(runs) for extra in plan.judging.extras},
@@ -129,3 +144,35 @@ def test_a_score_of_which_more_is_better_and_that_no_run_has_is_said_in_words() 
     plan = make_plan(Request("four_stops", ("perturbations.mass_factor=[1, 1]",), runs=4))
     found = summary(plan, made(plan, {"recovered_s": [np.nan] * 4}, [()] * 4))
     assert "no value" in printed(_scores(found, plan.criteria))
+
+
+def test_the_worst_stop_of_each_run_is_a_column_and_is_counted_by_its_name(tmp_path: Path, capsys: Any) -> None:
+    plan = make_plan(Request("four_stops_perturbed", runs=4))
+
+    def scored(*errors_m: float) -> Score:
+        planned = (PlannedStop("2 B", 1200.0, 0.3), PlannedStop("4 D", 3420.0, 0.3))
+        stops = [
+            ScoredStop(stop, Standstill(1.0, stop.target_m + error_m))
+            for stop, error_m in zip(planned, errors_m, strict=False)
+        ]
+        return Score("PASS", {}, {}, (), "ended_complete", stops=tuple(stops))
+
+    scores = [scored(0.01, -0.05), scored(0.2, 0.1), scored(-0.02, 0.04), scored()]
+    table = made(plan, {}, [()] * 4, scores=scores)
+    assert table["worst_stop"].to_pylist() == ["4 D", "2 B", "4 D", None]
+    assert table["worst_stop_error_m"].to_pylist()[:3] == pytest.approx([-0.05, 0.2, 0.04])
+    found = summary(plan, table)
+    (law,) = found["laws"].values()
+    assert [(one["name"], one["runs"]) for one in law["worst_stop"]] == [("4 D", 2), ("2 B", 1)]
+    assert [one["worst_stop_error_m"] for one in law["worst_stop"]] == pytest.approx([-0.05, 0.2])
+    show(Output(), found, tmp_path, plan.judging)
+    text = capsys.readouterr().out
+    assert "Runs by their worst stop" in text
+    assert "worst stop 2 B +0.2000 m" in text
+    written = page(plan, found, table, tmp_path, "")
+    assert "ipfc_plus, worst stop: 4 D in 2 runs (largest -0.0500 m); 2 B in 1 run (largest +0.2000 m)." in written
+
+
+def test_a_system_without_a_worst_stop_has_no_such_column() -> None:
+    plan = make_plan(Request("yizhuang_stop", runs=2))
+    assert "worst_stop" not in made(plan, {}, [()] * 2).column_names

@@ -10,7 +10,7 @@ import numpy as np
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import count_of, text_beside_limit
 from railhil.judge.declared import Place
-from railhil.judge.judging import Judging
+from railhil.judge.judging import Judging, Noted
 from railhil.judge.record import Record
 from railhil.judge.score import Score
 from railhil.judge.stops import worst_stop
@@ -106,6 +106,12 @@ def counted(found: Sequence[Score]) -> dict[str, object]:
     return {"worst_stops": [None if stop is None else stop.as_json() for stop in stops]}
 
 
+def find_worst_stop(found: Score) -> tuple[str, float | None] | None:
+    """Name and stop error in m of the worst stop; None for a record that does not show a complete run."""
+    stop = worst_stop(found.stops)
+    return None if stop is None else (stop.planned.name, stop.error_m)
+
+
 def facts(run: Record) -> list[tuple[str, str]]:
     """Train, line, timetable and protection of the run."""
     scenario, extras = run.scenario, run.score.extras
@@ -151,7 +157,12 @@ JUDGING = Judging(
     advice=advice,
     reckoned=reckoned,
     quantities=quantities,
-    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"), ("ato_state", AtoStat.PORT, "AtoState")),
+    shown=(
+        ("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),
+        ("ato_state", AtoStat.PORT, "AtoState"),
+        ("signal_next", StnInfo.PORT, "SignalNext"),
+    ),
+    noted=(Noted("worst_stop", "worst stop", "worst_stop_error_m", "m", 4, find_worst_stop),),
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
