@@ -32,7 +32,8 @@ _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
     """Measured scores by label, then the rows of the published table (time and stop error without sign, as
     published)."""
-    rows, criteria = table(tight), judging_of(scenario).criteria
+    rows = table(tight)
+    criteria = [criterion for criterion in judging_of(scenario).criteria if criterion.on_terminal]
     rows.add_column("")
     for criterion in criteria:
         rows.add_column(criterion.heading, justify="right", no_wrap=True)

@@ -48,6 +48,8 @@ class Criterion:
     scenario has none. ``audit_allowed``: allowed difference of a median in fixed point from the median in float64, in
     ``unit``; None: a share of the value is allowed.
 
+    ``on_terminal``: whether a terminal's table of runs, which has 100 columns, shows it.
+
     ``applies``: whether runs of a scenario have it at all. If so, a run without a value is infinitely bad in
     statistics; ``without`` describes it in words.
     """
@@ -66,6 +68,7 @@ class Criterion:
     audit_allowed: float | None = None
     applies: Callable[[Any], bool] = _always
     without: str = "no value"
+    on_terminal: bool = True
 
     @property
     def unit_typeset(self) -> str:

@@ -84,6 +84,30 @@ def test_energy_that_comes_back_is_no_score_of_a_train_without_an_electric_brake
     assert judged(without).values["regenerated_kj"] is None
 
 
+def test_the_energy_share_is_the_work_of_the_sections_by_their_bounds() -> None:
+    document = judged().as_json()
+    stops, scores = document["stops"], document["scores"]
+    assert isinstance(stops, list)
+    assert isinstance(scores, dict)
+    sections = [stop["section"] for stop in stops if stop["section"]]
+    assert [one["number"] for one in sections] == [1, 2]
+    for one in sections:
+        assert one["energy_share_percent"] == pytest.approx(100.0 * one["traction_kj"] / one["bound_kj"])
+        assert one["energy_share_percent"] > 100.0
+    work_kj, bound_kj = (sum(one[key] for one in sections) for key in ("traction_kj", "bound_kj"))
+    assert scores["energy_share_percent"] == pytest.approx(100.0 * work_kj / bound_kj)
+
+
+def test_a_line_without_shipped_bounds_has_no_energy_share() -> None:
+    heavier = replace(LINE, train=replace(LINE.train, mass_kg=1.01 * LINE.train.mass_kg))
+    share = next(criterion for criterion in JUDGING.criteria if criterion.key == "energy_share_percent")
+    assert (share.applies(LINE), share.applies(heavier)) == (True, False)
+    assert judged(heavier).values["energy_share_percent"] is None
+    section = stop_of(judged(heavier), 1).section
+    assert section is not None
+    assert (section.bound_kj, section.energy_share_percent) == (None, None)
+
+
 def test_the_score_is_written_with_every_stop() -> None:
     stops = judged().as_json()["stops"]
     assert isinstance(stops, list)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from math import sqrt
 
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Extra, Limit
+from railhil.systems.ato.energy.record import energy_share_percent as share_percent
 from railhil.systems.ato.judge import journey
 from railhil.systems.ato.judge.criteria import OVERSPEED
 from railhil.systems.line.judge.run import LineRun
 from railhil.systems.line.judge.stop import LineStop
+from railhil.systems.line.shipped_bounds import has_shipped_bounds
 
 #: Times at a warning of the train protection or above, and at an intervention.
 WARNINGS = Extra("atp_warnings", "ATP warnings", "atp_warnings", "ATP\nwarned", tuning_weight=0.0)
@@ -81,6 +83,17 @@ def returned_kj(run: LineRun) -> float | None:
     return sum(known) if len(known) == len(parts) else None
 
 
+def energy_share_percent(run: LineRun) -> float | None:
+    """Traction work of all sections as a share of the least work in the times that they took, in per cent; None if a
+    section was not driven, or has no bound in its time."""
+    parts = [stop.section for stop in run.stops if stop.section is not None]
+    bounds_kj = [part.bound_kj for part in parts]
+    known_kj = [bound_kj for bound_kj in bounds_kj if bound_kj is not None]
+    if len(known_kj) < len(run.scenario.sections):
+        return None
+    return share_percent(sum(part.traction_kj for part in parts), sum(known_kj))
+
+
 #: The largest limit of a stop: where stops have different ones, each is judged by its own.
 STOP_ERROR = Criterion(
     STOP_ERROR_KEY, "stop error", "m", 4, lambda run: run.worst(lambda stop: stop.error_m),
@@ -116,6 +129,16 @@ CRITERIA = (
         returned_kj,
         better="high",
         applies=lambda scenario: scenario.train.electric_brake is not None,
+        on_terminal=False,
+    ),
+    Criterion(
+        "energy_share_percent",
+        "energy share",
+        "%",
+        1,
+        energy_share_percent,
+        applies=has_shipped_bounds,
+        without="no bound",
     ),
     Criterion("comfort", "comfort", "m/s2/km", 3, lambda run: journey.comfort_mps2_per_km(run.whole)),
 )

@@ -14,7 +14,7 @@ from railhil.bus.layout import FLAG_TRUE
 from railhil.faults import parse_faults
 from railhil.judge.stops import Passing, PlannedStop, ScoredStop, Standstill
 from railhil.record.trace import FloatArray, Trace
-from railhil.systems.ato.energy.record import electric_work_kj, work_kj
+from railhil.systems.ato.energy.record import electric_work_kj, energy_share_percent, work_kj
 from railhil.systems.ato.judge import journey
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.line.judge.course import Course, Visit, stop_name
@@ -25,6 +25,7 @@ from railhil.systems.line.judge.protection import ProtectionRecord
 from railhil.systems.line.judge.stop import LineStop, SectionFigures
 from railhil.systems.line.scenario.model import LineScenario, Section, StationStop
 from railhil.systems.line.scenario.sections import choose_running_time, make_target, section_scenario
+from railhil.systems.line.shipped_bounds import shipped_bound_kj
 from railhil.wire.line import AtoStat, StnInfo
 
 #: Resolution of the running time that the controller tells, s.
@@ -182,13 +183,17 @@ class LineRun:
         chosen_s = self._chosen_s(index, from_s, until_s)
         run, has_target = self._journey(index, section, from_s, until_s, chosen_s)
         protection = self.protection if self.scenario.atp.enabled else None
+        traction_kj = work_kj(run.time_s, run.traction_n * run.speed_mps)
+        bound_kj = shipped_bound_kj(self.scenario, index + 1, until_s - from_s)
         return SectionFigures(
             number=index + 1,
             planned_s=section.running_time_s,
             chosen_s=chosen_s,
             made_s=until_s - from_s,
-            traction_kj=work_kj(run.time_s, run.traction_n * run.speed_mps),
+            traction_kj=traction_kj,
             regenerated_kj=electric_work_kj(self.scenario, run.time_s, run.speed_mps, run.brake_n),
+            bound_kj=bound_kj,
+            energy_share_percent=None if bound_kj is None else energy_share_percent(traction_kj, bound_kj),
             comfort_mps2_per_km=journey.comfort_mps2_per_km(run),
             itae_kmh_s2=journey.itae_kmh_s2(run) if has_target else None,
             nearest_m=protection.nearest_m(self.motion, from_s, until_s) if protection else None,

@@ -18,7 +18,9 @@ class SectionFigures:
 
     ``number``: of the section, from 1. ``planned_s``, ``chosen_s``, ``made_s``: running time of the timetable, of the
     controller (None: it told none) and of the train. ``traction_kj``: work at the wheel, ``regenerated_kj``: estimate
-    (:mod:`railhil.systems.ato.energy.record`). ``comfort_mps2_per_km``: eq. (6), ``itae_kmh_s2``: eq. (4)
+    (:mod:`railhil.systems.ato.energy.record`). ``bound_kj``: least work of a comfortable driving in the time made
+    (:mod:`railhil.systems.line.shipped_bounds`), ``energy_share_percent``: the traction work as a share of it; None:
+    none is shipped. ``comfort_mps2_per_km``: eq. (6), ``itae_kmh_s2``: eq. (4)
     against the curve for the running time that was chosen; None: no curve has that time. ``nearest_m``: distance to the
     place where the permitted speed is down to the train's. ``level``: strongest level of the train protection, "off"
     without one.
@@ -30,6 +32,8 @@ class SectionFigures:
     made_s: float
     traction_kj: float
     regenerated_kj: float | None
+    bound_kj: float | None
+    energy_share_percent: float | None
     comfort_mps2_per_km: float
     itae_kmh_s2: float | None
     nearest_m: float | None
@@ -121,6 +125,7 @@ _OF_SECTION: Final = (
     ("run (s)", "made_s", 1.0, ".2f", True),
     ("traction (MJ)", "traction_kj", 1e-3, ".1f", False),
     ("returned (MJ)", "regenerated_kj", 1e-3, ".1f", False),
+    ("energy share (%)", "energy_share_percent", 1.0, ".0f", False),
     ("ride comfort (m/s²/km)", "comfort_mps2_per_km", 1.0, ".3f", False),
     ("ITAE (km/h s²)", "itae_kmh_s2", 1.0, ".0f", False),
     ("to P (m)", "nearest_m", 1.0, ".1f", True),

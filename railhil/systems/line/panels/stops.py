@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from railhil.charts.figure import Area, Chart, Figure, Look, Point
-from railhil.systems.ato.energy.record import energy_share_percent
 from railhil.systems.line.judge.stop import LineStop
 from railhil.systems.line.panels.drawn import DrawnRun
 from railhil.systems.line.panels.train_graph import shorten_name
 from railhil.systems.line.scenario.model import LineScenario
-from railhil.systems.line.shipped_bounds import shipped_bound_kj
 
 #: Height of a row, and of each further run in it, px.
 _ROW_PX, _RUN_PX = 20, 5
@@ -84,7 +82,7 @@ def energy(line: LineScenario, runs: Sequence[DrawnRun]) -> list[Figure]:
             areas += _bars(run, section.number, section.traction_kj, section.regenerated_kj, top, high, len(runs) > 1)
     if not areas:
         return []
-    points = list(_bounds(line, runs[0], rows))
+    points = list(_bounds(runs[0], rows))
     names = {
         row: f"{number} to {shorten_name(line.stops[line.sections[number - 1].arrival].name)}"
         for number, row in rows.items()
@@ -116,14 +114,14 @@ def _bars(
     yield Area((0.0, back_kj / _MJ), back, "block", told, run.number, "regenerated", "line")
 
 
-def _bounds(line: LineScenario, run: DrawnRun, rows: dict[int, float]) -> Iterator[Point]:
+def _bounds(run: DrawnRun, rows: dict[int, float]) -> Iterator[Point]:
     """The bound of each section in the time that the run has used."""
     look = Look("ink", marker="D", is_full=True, marker_px=6.0)
     for _, stop in line_stops(run):
         section = stop.section
-        if section is None or (bound_kj := shipped_bound_kj(line, section.number, section.made_s)) is None:
+        if section is None or section.bound_kj is None:
             continue
-        share = energy_share_percent(section.traction_kj, bound_kj)
+        bound_kj, share = section.bound_kj, section.energy_share_percent
         text = f"section {section.number}: bound {bound_kj / _MJ:.1f} MJ, the run used {share:.0f} % of it"
         yield Point("bound", bound_kj / _MJ, rows[section.number], look, text=text)
 
