@@ -154,7 +154,8 @@ def scored(run: ImaginedRun, missing: tuple[int, ...] = ()) -> Score:
             section = SectionFigures(
                 number=max(1, sum(one.arrival <= place for one in run.line.sections)),
                 planned_s=100.0, chosen_s=100.0, made_s=100.0, traction_kj=50_000.0 + 1000 * place,
-                regenerated_kj=9_000.0, bound_kj=None, energy_share_percent=None, comfort_mps2_per_km=1.0, itae_kmh_s2=None, nearest_m=5.0, level="normal",
+                regenerated_kj=9_000.0, bound_kj=None, energy_share_percent=None,
+                comfort_mps2_per_km=1.0, itae_kmh_s2=None, nearest_m=5.0, level="normal",
             )  # fmt: skip
             found = LineStop(planned, standstill, departed_s, section=section if place else None)
         stops.append(found)
