@@ -3,7 +3,7 @@ station automaton, and a law for each section."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Final
 
@@ -18,15 +18,22 @@ from railhil.controller_node.line.rules import StationRules
 from railhil.controller_node.line.sections import Aim, SectionControllers
 from railhil.controller_node.line.stations import Drive, Situation, Stations
 from railhil.scenarios.run_spec import LawSpec
-from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.model import LineScenario, Mode
 from railhil.wire.ato import WatchLevel
-from railhil.wire.line import AtoProfile, AtoStat, AtoState, AtpLim, DoorCmd, DoorStat, StnInfo
+from railhil.wire.line import AtoProfile, AtoStat, AtoState, AtpLim, DoorCmd, DoorStat, ModeOrder, StnInfo
 
 #: Ports with mailboxes besides those of ``ato``. ATP_STAT is not among them: all 32 mailboxes are taken.
 MAILBOXES: Final = (DoorStat, StnInfo, AtpLim)
 ANSWERS: Final = (DoorCmd, AtoStat)
 #: Code of a running time's origin, by its name.
 _PROFILES: Final = {one.name.lower(): one for one in AtoProfile}
+#: Orders of the track side, by their code.
+_MODES: Final[Mapping[int, Mode]] = {
+    ModeOrder.TIMETABLE: "timetable",
+    ModeOrder.FAST: "fast",
+    ModeOrder.NORMAL: "normal",
+    ModeOrder.ECONOMY: "economy",
+}
 _NS_PER_MS: Final = 1_000_000
 _UINT16_MAX: Final = 0xFFFF
 #: Largest distance in ATO_STAT, cm.
@@ -157,7 +164,7 @@ class LineNode(ControllerNode):
         index, balise = stations.stop, self._balises.last
         aim: Aim | None = self._aim
         if stations.departed:
-            aim = sections.depart(index, k, place_01mm, odometer_01mm, balise)
+            aim = sections.depart(index, k, place_01mm, odometer_01mm, balise, _MODES[stations.mode_order])
         elif stations.resumed:
             aim = sections.resume(index, k, place_01mm, odometer_01mm, balise)
         elif stations.rejoined:
@@ -168,7 +175,8 @@ class LineNode(ControllerNode):
             if stations.state is AtoState.CLOSING and self._prepared_for != index:
                 self._prepared_for = index
                 expected_ns = stations.expected_departure_ms(self._clock.now_ns // _NS_PER_MS) * _NS_PER_MS
-                sections.prepare(index, -(-expected_ns // self._control_ns), place_01mm)
+                mode = _MODES[stations.mode_order]
+                sections.prepare(index, -(-expected_ns // self._control_ns), place_01mm, mode)
             if stations.drive is not _LAW:
                 sections.rest()
             return

@@ -25,7 +25,7 @@ from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.generate import fastest_time_s, generate
 from railhil.systems.ato.scenario.model import Scenario, TargetCurve
-from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.model import LineScenario, Mode
 from railhil.systems.line.scenario.sections import (
     RUNNING_TIME_MAX_RATIO,
     choose_running_time,
@@ -165,16 +165,25 @@ class SectionControllers:
         """Stopping point at the end of the section, in 0.1 mm of the odometer's origin."""
         return self._end_01mm
 
-    def depart(self, index: int, k: int, place_01mm: int, odometer_01mm: int, balise: BaliseReading[int]) -> Aim:
+    def depart(
+        self,
+        index: int,
+        k: int,
+        place_01mm: int,
+        odometer_01mm: int,
+        balise: BaliseReading[int],
+        mode: Mode = "timetable",
+    ) -> Aim:
         """Begin a section at standstill.
 
         :param index: number of the section, from 0.
         :param k: the control period of the departure.
         :param place_01mm: estimate of the position in the run.
         :param balise: the last one passed, which belongs to the section before.
+        :param mode: what the track side orders.
         """
         line = self._scenario
-        aim, target = self._choose(index, k, place_01mm)
+        aim, target = self._choose(index, k, place_01mm, mode)
         prepared, self._prepared = self._prepared, None
         made = self._take_ready(index) if target == line.sections[index].target else None
         if made is None and prepared is not None and prepared[:2] == (index, target):
@@ -185,21 +194,22 @@ class SectionControllers:
         self._begin(index, made, k, here.position_m, place_01mm, odometer_01mm, balise)
         return aim
 
-    def prepare(self, index: int, k: int, place_01mm: int) -> None:
+    def prepare(self, index: int, k: int, place_01mm: int, mode: Mode = "timetable") -> None:
         """Make the controller of a departure that is expected, during the dwell; arguments as :meth:`depart`."""
         line = self._scenario
-        aim, target = self._choose(index, k, place_01mm)
+        aim, target = self._choose(index, k, place_01mm, mode)
         is_ready = target == line.sections[index].target and self._take_ready(index) is not None
         if not is_ready:
             made = self._make(index, section_scenario(line, index, target, aim.running_time_s))
             self._prepared = index, target, made
 
-    def _choose(self, index: int, k: int, place_01mm: int) -> tuple[Aim, TargetCurve]:
+    def _choose(self, index: int, k: int, place_01mm: int, mode: Mode) -> tuple[Aim, TargetCurve]:
         """Running time and target curve of a departure."""
         line = self._scenario
         section = line.sections[index]
         stop_m = line.stops[section.arrival].position_m
-        profile, running_time_s, curve = choose_running_time(line, index, k * line.timing.control_period_ns / 1e9)
+        departure_s = k * line.timing.control_period_ns / 1e9
+        profile, running_time_s, curve = choose_running_time(line, index, departure_s, mode)
         plain_m = stop_m - line.stops[section.departure].position_m
         distance_m = plain_m if self.sees_place else stop_m - place_01mm / _PER_M
         try:

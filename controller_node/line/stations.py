@@ -21,7 +21,7 @@ from typing import Final, NamedTuple
 from railhil.bus.layout import FLAG_TRUE
 from railhil.controller_node.line.rules import ServedStop, StationRules
 from railhil.controller_node.line.station_telegrams import AGE_MAX_MS, StationTelegrams
-from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorState, SignalAspect
+from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorState, ModeOrder, SignalAspect
 
 #: Time at speed 0 after which the train stands, and after which the holding brake is applied.
 STANDING_MS, HOLDING_MS = 200, 300
@@ -48,6 +48,7 @@ _OPEN_ORDERS: Final = {
 _OPENED: Final = (DoorState.OPEN, DoorState.ISOLATED, DoorState.FAULT)
 _REOPENING: Final = (DoorState.OBSTRUCTED, DoorState.OPENING, DoorState.OPEN)
 _RUN: Final = AtoState.RUN
+_MODES: Final = frozenset(int(one) for one in ModeOrder)
 
 
 class Drive(IntEnum):
@@ -153,6 +154,15 @@ class Stations(StationTelegrams):
             return planned_ms
         told_ms = info.due_departure_ds * 100
         return planned_ms if abs(told_ms - planned_ms) <= _RESOLUTION_MS else told_ms
+
+    @property
+    def mode_order(self) -> ModeOrder:
+        """What the track side orders for the section that begins where the train stands; an order that has no meaning
+        counts as none."""
+        info = self.info
+        if info is None or info.station_here != self.here.number or info.mode_order not in _MODES:
+            return ModeOrder.TIMETABLE
+        return ModeOrder(info.mode_order)
 
     # -- steps ---------------------------------------------------------------------------------------------------------
 

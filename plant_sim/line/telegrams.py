@@ -12,7 +12,7 @@ from railhil.plant_sim.line.doors import SIDES
 from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, TRACTION_CUT
 from railhil.systems.ato.scenario.target import Target
 from railhil.systems.line.scenario.model import LineScenario, StationStop
-from railhil.wire.line import AtpLim, AtpStat, DoorStat, Service, StnInfo
+from railhil.wire.line import AtpLim, AtpStat, DoorStat, ModeOrder, Service, StnInfo
 
 if TYPE_CHECKING:
     from railhil.plant_sim.line.train import LineTrain
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _UINT16_MAX: Final = 0xFFFF
 _UINT8_MAX: Final = 0xFF
 _INT24_MAX: Final = 0x7FFFFF
+_MODES: Final = {one.name.lower(): int(one) for one in ModeOrder}
 _SERVICES: Final = {"pass": int(Service.PASS), "stop": int(Service.STOP), "terminal": int(Service.TERMINAL)}
 
 
@@ -97,6 +98,7 @@ class LineTelegrams(TrainTelegrams):
             signal_next=journey.signal_aspect(position_m, tick),
             due_arrival_ds=_to_ds(stop.arrive_s),
             platform_side=SIDES[stop.platform],
+            mode_order=self._mode_order(here),
             due_departure_ds=_to_ds(stop.depart_s),
             next_stop_mm=rounded(stop.position_m * 1000),
             life=life,
@@ -104,6 +106,12 @@ class LineTelegrams(TrainTelegrams):
         # Signals change with time and place.
         self._station_under_way = None if train.is_busy or self._line.signals else (journey.next_stop, made)
         return made
+
+    def _mode_order(self, here: int | None) -> int:
+        """The order for the section that begins where the train stands, or in which it is."""
+        if here is None:
+            here = self._line.sections[max(self._train.journey.section, 0)].departure
+        return _MODES[self._line.stops[here].mode]
 
     def _protection_limit(self) -> AtpLim:
         life, onboard = next(self._lives[AtpLim.PORT]), self._train.onboard

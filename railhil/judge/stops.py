@@ -68,7 +68,8 @@ class ScoredStop:
     """A planned stop and the standstill assigned to it; None: the train did not stop there.
 
     ``departed_s``: instant of the departure. ``passed``: where the service is to pass. ``excused_s``: time by which the
-    arrival may be later than the limit, ``departure_excused_s``: the departure, for what the run could not avoid.
+    arrival may be later than the limit, ``early_excused_s``: earlier, ``departure_excused_s``: by which the departure
+    may be later, for what the run could not avoid.
     """
 
     planned: PlannedStop
@@ -77,6 +78,7 @@ class ScoredStop:
     passed: Passing | None = None
     excused_s: float = 0.0
     departure_excused_s: float = 0.0
+    early_excused_s: float = 0.0
 
     @property
     def error_m(self) -> float | None:
@@ -117,7 +119,11 @@ class ScoredStop:
     @property
     def _late(self) -> str:
         most_s, late_s = self.planned.late_max_s, self.late_s
-        if not self.excused_s or most_s is None or late_s is None or late_s < 0.0:
+        if most_s is None or late_s is None:
+            return ""
+        if late_s < 0.0:
+            found = _beyond(late_s, most_s + self.early_excused_s, "s")
+        elif not self.excused_s:
             found = _beyond(late_s, most_s, "s")
         else:
             allowed_s = most_s + self.excused_s
@@ -162,6 +168,7 @@ class ScoredStop:
                 "passed_s": None if self.passed is None else self.passed.instant_s,
                 "passed_mps": None if self.passed is None else self.passed.speed_mps,
                 "excused_s": self.excused_s,
+                "early_excused_s": self.early_excused_s,
                 "departure_excused_s": self.departure_excused_s,
             }
         return {

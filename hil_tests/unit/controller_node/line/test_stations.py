@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hil_tests.unit.controller_node.line.world import OPENS, PERIOD_MS, World
 from railhil.bus.layout import CHECK_ERRONEOUS, flag
 from railhil.controller_node.line.stations import Drive
-from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorStat, DoorState, SignalAspect
+from railhil.wire.line import AtoState, DoorOrder, DoorSide, DoorStat, DoorState, ModeOrder, SignalAspect
 
 STOP_01MM = 10_000_000
 
@@ -338,3 +338,22 @@ def test_no_sequence_orders_doors_or_a_departure_that_is_not_safe(
             assert stations.holds == (stations.drive is Drive.NONE)
             assert 0 <= stations.stop < len(world.rules.stops)
             assert stations.counters["jogs"] <= 2 * len(world.rules.stops)
+
+
+@pytest.mark.parametrize(
+    ("told", "here", "order"),
+    [
+        (ModeOrder.ECONOMY, 3, ModeOrder.ECONOMY),
+        (ModeOrder.FAST, 3, ModeOrder.FAST),
+        (ModeOrder.ECONOMY, 4, ModeOrder.TIMETABLE),
+        (5, 3, ModeOrder.TIMETABLE),
+    ],
+)
+def test_an_order_of_the_track_side_counts_for_this_stop_and_if_it_has_a_meaning(
+    told: int, here: int, order: ModeOrder
+) -> None:
+    world = at_stop()
+    world.run(1000)
+    world.mode, world.here = told, here
+    world.run(100)
+    assert world.stations.mode_order is order

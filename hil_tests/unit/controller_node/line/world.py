@@ -50,7 +50,7 @@ class World:
         self.permit, self.is_sound = True, True
         self.dwell_left_ds = 0
         self.reopened = 0
-        self.signal = 0
+        self.signal = self.mode = 0
         self.tells_doors = self.tells_info = True
         self._life = 0
 
@@ -83,6 +83,7 @@ class World:
                     platform_side=side,
                     due_departure_ds=self.due_ds,
                     signal_next=self.signal,
+                    mode_order=self.mode,
                     life=self._life,
                 ),
                 self.now_ms,

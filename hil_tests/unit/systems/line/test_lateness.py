@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 from hil_tests.support.lines import four_stops
 from railhil.judge.stops import PlannedStop, ScoredStop, Standstill
 from railhil.systems.line.judge.doors import Exchange
-from railhil.systems.line.judge.lateness import Delay, Instants, delay_of, excused_s, nominal_exchange_s, recoverable_s
+from railhil.systems.line.judge.lateness import (
+    Delay,
+    Instants,
+    delay_of,
+    early_excused_s,
+    excused_s,
+    nominal_exchange_s,
+    recoverable_s,
+)
 from railhil.systems.line.scenario.model import LineScenario
 
 LINE = four_stops()
@@ -123,3 +131,28 @@ def test_a_stop_that_is_to_be_passed_need_not_be_made() -> None:
     planned = PlannedStop("3 C", 2300.0, 0.3, service="pass")
     assert ScoredStop(planned, None).missed == "not passed"
     assert ScoredStop(PlannedStop("1 A", 0.0, 0.3, service="start"), None).missed == ""
+
+
+def test_an_ordered_profile_excuses_what_it_takes_more_or_less_than_the_timetable() -> None:
+    section = replace(LINE.sections[1], fastest_s=150.0)
+
+    def ordered(mode: Any) -> LineScenario:
+        stops = tuple(replace(stop, mode=mode) for stop in LINE.stops)
+        return replace(LINE, stops=stops, route=replace(LINE.route, profiles_percent=(0.0, 5.0, 60.0)))
+
+    fast_s, economy_s = section.fastest_s, 1.6 * section.fastest_s
+    assert fast_s < section.running_time_s < economy_s
+    more_s = economy_s - section.running_time_s
+    assert recoverable_s(ordered("economy"), section) == pytest.approx(-more_s)
+    assert excused_s(ordered("economy"), section, IN_TIME, Delay()) == pytest.approx(more_s)
+    assert early_excused_s(ordered("economy"), section) == 0.0
+    assert early_excused_s(ordered("fast"), section) == pytest.approx(section.running_time_s - fast_s)
+    assert early_excused_s(LINE, section) == 0.0
+
+
+def test_an_early_arrival_is_excused_as_far_as_the_order_goes() -> None:
+    planned = PlannedStop("D", 0.0, 0.3, due_s=100.0, late_max_s=5.0)
+    ordered = ScoredStop(planned, Standstill(85.0, 0.0), early_excused_s=10.0)
+    assert ordered.misses == ()
+    assert replace(ordered, early_excused_s=9.5).misses == ("arrival -15.000 s (allowed +-14.5 s)",)
+    assert replace(ordered, standstill=Standstill(106.0, 0.0)).misses == ("arrival +6.000 s (allowed +-5 s)",)

@@ -26,7 +26,15 @@ from railhil.systems.line.scenario.model import LineScenario
 from railhil.systems.line.scenario.perturb import draw_line
 from railhil.systems.line.scenario.regenerate import target_texts
 
-SHIPPED = ["four_stops", "yizhuang_out", "yizhuang_out_coast", "yizhuang_back", "yizhuang_round", "zurich"]
+SHIPPED = [
+    "four_stops",
+    "four_stops_perturbed",
+    "yizhuang_out",
+    "yizhuang_out_coast",
+    "yizhuang_back",
+    "yizhuang_round",
+    "zurich",
+]
 PLATFORM = 'platform = "left"'
 
 

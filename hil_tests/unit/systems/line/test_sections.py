@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import cast
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from railhil.common.errors import InputError
+from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load, load_any, names
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.ato.scenario.model import Scenario, TargetCurve
 from railhil.systems.ato.scenario.target import Target
-from railhil.systems.line.scenario.model import LineScenario, Route
+from railhil.systems.line.scenario.model import LineScenario, Mode, Route
 from railhil.systems.line.scenario.sections import (
     choose_running_time,
     fit_target,
@@ -133,3 +136,38 @@ def test_without_regulation_the_timetable_decides() -> None:
 def test_a_section_sees_the_profiles_under_the_standing_train() -> None:
     line = yizhuang()
     assert section_line(line, 1).grade_permil[0][0] <= -118.0 + 1e-9
+
+
+@pytest.mark.parametrize(("mode", "percent"), [("fast", 0.0), ("normal", 5.0), ("economy", 12.0)])
+def test_an_ordered_profile_counts_whatever_is_left_of_the_timetable(mode: Mode, percent: float) -> None:
+    line = yizhuang()
+    wanted_s = line.sections[4].fastest_s * (1 + percent / 100)
+    for departure_s in (700.0, 748.0, 900.0):
+        name, running_time_s, curve = choose_running_time(line, 4, departure_s, mode)
+        assert (name, running_time_s) == (mode, pytest.approx(wanted_s))
+        assert curve is None, "the line has no profiles: the curve is generated"
+    stops = tuple(replace(stop, mode=mode) for stop in line.stops)
+    assert choose_running_time(replace(line, stops=stops), 4, 748.0)[0] == mode
+    assert choose_running_time(replace(line, stops=stops), 4, 748.0, "timetable")[0] == "timetable"
+
+
+def test_a_file_orders_a_profile_for_one_section_or_for_all(tmp_path: Path) -> None:
+    def modes(text: str) -> list[str]:
+        file = tmp_path / "own.toml"
+        file.write_text(f'extends = "yizhuang_out"\nname = "own"\n[route]\nprofiles_percent = [6, 8, 12]\n{text}\n')
+        line = load_any(file)
+        assert [bool(one.profiles) for one in line.sections] == [stop.mode != "timetable" for stop in line.stops[:-1]]
+        return [stop.mode for stop in line.stops]
+
+    assert modes("") == ["timetable"] * 14
+    assert modes('mode = "economy"') == ["economy"] * 13 + ["timetable"]
+    every = ["timetable"] * 5 + ["fast"] + ["timetable"] * 8
+    assert modes(f"mode = {every}") == every
+
+
+@pytest.mark.parametrize("place", ["C", "D"])
+def test_a_stop_without_a_departure_takes_no_order(place: str, tmp_path: Path) -> None:
+    text = (DATA / "runs" / "four_stops.toml").read_text().replace('"four_stops"', '"own"')
+    (tmp_path / "own.toml").write_text(text.replace(f'name = "{place}",', f'name = "{place}", mode = "fast",'))
+    with pytest.raises(InputError, match=r"route\.stops\[[23]\]\.mode: found 'fast', allowed no such key"):
+        load_any(tmp_path / "own.toml")

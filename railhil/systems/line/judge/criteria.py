@@ -21,7 +21,9 @@ EXTRAS = (OVERSPEED, WARNINGS, INTERVENTIONS)
 def _arrival_error_s(stop: LineStop) -> float | None:
     """Lateness of an arrival beyond what the run excuses, s; early arrivals are negative."""
     late_s = stop.late_s
-    return late_s if late_s is None or late_s <= 0.0 else max(0.0, late_s - stop.excused_s)
+    if late_s is None:
+        return None
+    return max(0.0, late_s - stop.excused_s) if late_s > 0.0 else min(0.0, late_s + stop.early_excused_s)
 
 
 def rms_m(run: LineRun) -> float | None:

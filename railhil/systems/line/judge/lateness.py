@@ -12,6 +12,7 @@ from typing import Final
 
 from railhil.systems.line.judge.doors import Exchange
 from railhil.systems.line.scenario.model import LineScenario, Section
+from railhil.systems.line.scenario.sections import ordered_time_s
 
 #: Time by which the platform's doors open later than the train's, s (section 2), and time for the station automaton's
 #: own steps at a stop (chosen): what is not longer is nobody's delay.
@@ -107,8 +108,12 @@ def delay_of(scenario: LineScenario, dwell_min_s: float, at: Instants) -> Delay:
 def recoverable_s(scenario: LineScenario, section: Section) -> float:
     """Time that the section's running can make up, in s: the timetable's less the shortest that the regulation allows.
 
-    Without regulation there is none.
+    Without regulation there is none. With an order of the track side it is what the ordered profile makes up, which is
+    negative if the profile takes longer than the timetable.
     """
+    mode = scenario.stops[section.departure].mode
+    if mode != "timetable":
+        return section.running_time_s - ordered_time_s(scenario, section, mode)
     if scenario.route.regulation == "none":
         return 0.0
     fastest_s = section.fastest_s
@@ -125,6 +130,12 @@ def excused_s(scenario: LineScenario, section: Section, before: Instants, delay:
     """
     late_s = before.departure_late_s or 0.0
     return max(0.0, late_s - delay.controller - recoverable_s(scenario, section))
+
+
+def early_excused_s(scenario: LineScenario, section: Section) -> float:
+    """How early an arrival may be beyond the limit, in s: what an ordered profile takes less than the timetable."""
+    mode = scenario.stops[section.departure].mode
+    return max(0.0, section.running_time_s - ordered_time_s(scenario, section, mode))
 
 
 def _less(instant_s: float | None, due_s: float | None) -> float | None:

@@ -19,7 +19,7 @@ from railhil.systems.ato.judge import journey
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.line.judge.course import Course, Visit, stop_name
 from railhil.systems.line.judge.doors import Doors
-from railhil.systems.line.judge.lateness import Instants, delay_of, excused_s, nominal_exchange_s
+from railhil.systems.line.judge.lateness import Instants, delay_of, early_excused_s, excused_s, nominal_exchange_s
 from railhil.systems.line.judge.motion import Motion
 from railhil.systems.line.judge.protection import ProtectionRecord
 from railhil.systems.line.judge.stop import LineStop, SectionFigures
@@ -81,6 +81,7 @@ class LineRun:
         delay = delay_of(self.scenario, of.dwell_min_s, instants)
         late_s = instants.departure_late_s
         is_late = late_s is not None and late_s > self.scenario.timing.control_period_ns / 1e9
+        arriving = next((one for one in self.scenario.sections if one.arrival == visit.stop), None)
         departing = next((one for one in self.scenario.sections if one.departure == visit.stop), None)
         drawn_s = _less(instants.exchange.ended_s, instants.opened_s)
         usual_s = nominal_exchange_s(self.scenario, of.dwell_min_s)
@@ -89,6 +90,7 @@ class LineRun:
             here,
             departed_s=instants.departed_s,
             excused_s=excused,
+            early_excused_s=0.0 if arriving is None else early_excused_s(self.scenario, arriving),
             departure_excused_s=0.0 if late_s is None else max(0.0, late_s - delay.controller),
             platform=of.platform,
             dwell_nominal_s=of.dwell_min_s if instants.opened_s is not None else None,

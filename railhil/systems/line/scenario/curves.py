@@ -52,7 +52,7 @@ def find_targets(
             target = _read_target(names[way.leg].pop(0), layers, way, running_time_s, asked)
         word = f"{here.name} - {there.name}"
         curves: list[TargetCurve] = []
-        if route.regulation == "profiles":
+        if route.regulation == "profiles" or here.mode != "timetable":
             times = [way.fastest_s * (1 + percent / 100) for percent in route.profiles_percent]
             curves = [_generate(track, train, way, time_s, limits, word, refuse) for time_s in times]
         if target is None:

@@ -11,6 +11,7 @@ _STOPS = {
     "service": "stop, pass (the train runs through) or terminal; default: stop, terminal for the last one",
     "platform": "side of the doors: left, right, both, or none",
     "psd": "whether the platform has doors of its own",
+    "mode": "what the track side orders for the section from here: timetable, fast, normal or economy (its profile)",
     "arrive_s": "arrival by the timetable, from the start of the run; a multiple of the control period",
     "running_time_s": "from the departure before, instead of arrive_s",
     "depart_s": "departure by the timetable; default: the arrival plus route.dwell_s",
@@ -26,6 +27,7 @@ _CHOICE = {
     "dwell_s": "from arrival to departure by the timetable: one value, or one for each stop between the ends",
     "platform": "side of the doors: one for all stops, or one for each: left, right, both, none",
     "psd": "platform doors: one value for all stops, or one for each",
+    "mode": "order for the sections: one for all stops, or one for each: timetable, fast, normal, economy",
     "target_files": "target curves of the sections, shipped names or paths; one that does not fit is generated",
 }
 _LEG = {

@@ -175,7 +175,7 @@ def _cut_stops(
 
 def _mirror_stops(back: StopLine, chosen: list[_Chosen]) -> list[_Chosen]:
     """The stops of the leg before, in the other order: with the same doors and limits, without their times."""
-    without = {"arrive_s": None, "depart_s": None, "running_time_s": None, "service": None}
+    without = {"arrive_s": None, "depart_s": None, "running_time_s": None, "service": None, "mode": None}
     rows = []
     for stop, place in zip(reversed(chosen), back.stops, strict=True):
         passed = {"service": "pass"} if stop.table.service == "pass" else {}

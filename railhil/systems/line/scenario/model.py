@@ -17,6 +17,8 @@ from railhil.systems.line.scenario.protection import Protection
 
 Side = Literal["none", "left", "right", "both"]
 Service = Literal["stop", "pass", "terminal"]
+#: How a section is run: by the timetable, or in the time of a profile that the track side orders.
+Mode = Literal["timetable", "fast", "normal", "economy"]
 Regulation = Literal["retime", "profiles", "none"]
 _NOTHING = Uniform(0.0, 0.0)
 _GENERATOR = CurveLimits()
@@ -29,7 +31,8 @@ class StationStop:
 
     ``leg``: number of the leg on which the train arrives, from 0 (of the first stop: on which it departs).
     ``arrive_s`` is None at the first stop and where the train passes, ``depart_s`` also at the terminal. After a
-    ``turn_back`` the train departs on the next leg.
+    ``turn_back`` the train departs on the next leg. ``mode``: what the track side orders for the section that begins
+    here (ModeOrder of STN_INFO); a profile is kept whatever the timetable says.
     """
 
     name: str
@@ -45,6 +48,7 @@ class StationStop:
     eoa_overlap_m: float = 10.0
     svl_overlap_m: float = 30.0
     turn_back: bool = False
+    mode: Mode = "timetable"
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +112,7 @@ class Section:
 
     ``running_time_s`` is that of the timetable and of ``target``, whose time begins at the departure. ``fastest_s``:
     shortest running time of the generator. ``profiles``: curves fast, normal and economy, if the route is regulated by
-    profiles.
+    profiles, or the track side orders one of them.
     """
 
     departure: int

@@ -23,7 +23,7 @@ from railhil.scenarios.schema import (
 )
 from railhil.systems.ato.scenario import schema
 from railhil.systems.ato.scenario.model import DISTANCE_MAX_M
-from railhil.systems.line.scenario.model import Regulation, Service, Side
+from railhil.systems.line.scenario.model import Mode, Regulation, Service, Side
 from railhil.systems.line.scenario.protection import AtpTable
 
 #: A time of the run.
@@ -45,6 +45,7 @@ Durations = Annotated[
     Annotated[NotNegative, Tag("all")] | Annotated[list[NotNegative], Tag("each")], Discriminator(_count)
 ]
 Sides = Annotated[Annotated[Side, Tag("all")] | Annotated[list[Side], Tag("each")], Discriminator(_count)]
+Modes = Annotated[Annotated[Mode, Tag("all")] | Annotated[list[Mode], Tag("each")], Discriminator(_count)]
 Flags = Annotated[Annotated[bool, Tag("all")] | Annotated[list[bool], Tag("each")], Discriminator(_count)]
 
 
@@ -90,6 +91,7 @@ class RouteStopTable(Table):
     service: Service | None = None
     platform: Side | None = None
     psd: bool | None = None
+    mode: Mode | None = None
     arrive_s: Time | None = None
     running_time_s: Duration | None = None
     depart_s: Time | None = None
@@ -110,6 +112,7 @@ class LegTable(Table):
     dwell_s: Durations | None = None
     platform: Sides | None = None
     psd: Flags | None = None
+    mode: Modes | None = None
     target_files: list[Text] = []
 
 
@@ -161,6 +164,7 @@ class RouteTable(Table):
     dwell_s: Durations = 30.0
     platform: Sides | None = None
     psd: Flags = False
+    mode: Modes = "timetable"
     target_files: list[Text] = []
     stop_error_max_m: Positive = 0.3
     door_window_m: Positive = 0.5

@@ -13,7 +13,7 @@ from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.generate import CurveLimits, generate, generate_fastest
 from railhil.systems.ato.scenario.model import Balise, Line, Perturbations, RunPlan, Scenario, TargetCurve, Train
 from railhil.systems.ato.scenario.target import target_of
-from railhil.systems.line.scenario.model import LineScenario
+from railhil.systems.line.scenario.model import LineScenario, Mode, Section
 from railhil.systems.line.scenario.statement import OVERSPEED, PROTECTION
 
 #: Largest running time of a section, as a multiple of that of the timetable (chosen).
@@ -140,24 +140,42 @@ def fit_target(curve: TargetCurve, running_time_s: float, distance_m: float) -> 
     return TargetCurve(tuple((time_s * k, accel_mps2 * s / k**2) for time_s, accel_mps2 in curve.nodes))
 
 
-def choose_running_time(line: LineScenario, index: int, departure_s: float) -> tuple[str, float, TargetCurve | None]:
+def ordered_time_s(line: LineScenario, section: Section, mode: Mode) -> float:
+    """The running time of the profile that the track side orders for a section; without an order the timetable's."""
+    if mode == "timetable":
+        return section.running_time_s
+    place = PROFILES.index(mode)
+    if section.profiles:
+        return target_of(section.profiles[place]).stop_time_s
+    return section.fastest_s * (1.0 + line.route.profiles_percent[place] / 100.0)
+
+
+def choose_running_time(
+    line: LineScenario, index: int, departure_s: float, mode: Mode | None = None
+) -> tuple[str, float, TargetCurve | None]:
     """The running time of a section for a departure at a time of the run.
 
-    It is the time that is left until the arrival of the timetable, at least the generator's fastest and at most
-    :data:`RUNNING_TIME_MAX_RATIO` times the timetable's.
+    It is that of the profile that the track side orders. Without such an order it is the time that is left until the
+    arrival of the timetable, at least the generator's fastest and at most :data:`RUNNING_TIME_MAX_RATIO` times the
+    timetable's.
 
     :param index: number of the section, from 0.
+    :param mode: the order of the track side; None: that of the scenario.
     :returns: ``timetable``, or the name of a profile; the running time in s; and the profile's curve, which the caller
         fits to that time by :func:`make_target`. It is None where no curve is given.
     """
     section, regulation = line.sections[index], line.route.regulation
+    mode = line.stops[section.departure].mode if mode is None else mode
+    if mode != "timetable":
+        curve = section.profiles[PROFILES.index(mode)] if section.profiles else None
+        return mode, ordered_time_s(line, section, mode), curve
     if regulation == "none":
         return "timetable", section.running_time_s, section.target
     due_s = line.stops[section.arrival].arrive_s
     assert due_s is not None
     most_s = max(RUNNING_TIME_MAX_RATIO * section.running_time_s, section.fastest_s)
     left_s = min(max(due_s - departure_s, section.fastest_s), most_s)
-    if regulation == "retime" or not section.profiles:
+    if regulation != "profiles" or not section.profiles:
         return "timetable", left_s, None
     durations_s = [target_of(curve).stop_time_s for curve in section.profiles]
     fitting = [place for place, duration_s in enumerate(durations_s) if duration_s <= left_s]

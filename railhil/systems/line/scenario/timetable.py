@@ -93,6 +93,13 @@ def _describe(
         raise refuse(stop.key_of("platform"), Finding("nothing"), _SIDES)
     psd = table.psd if table.psd is not None else _pick(leg, route, "psd", stop, refuse)
 
+    mode = table.mode or _pick(leg, route, "mode", stop, refuse)
+    if service != "stop":
+        mode = "timetable"
+        if table.mode is not None:
+            why = "the train passes" if service == "pass" else "no departure from the last stop"
+            raise refuse(stop.key_of("mode"), table.mode, f"no such key: {why}")
+
     def choose(given: float | None, usual: float) -> float:
         return usual if given is None else given
 
@@ -108,6 +115,7 @@ def _describe(
         eoa_overlap_m=choose(table.eoa_overlap_m, protection.eoa_overlap_m),
         svl_overlap_m=choose(table.svl_overlap_m, protection.svl_overlap_m),
         turn_back=turns,
+        mode=mode,
     )
     check_overlaps(made.eoa_overlap_m, made.svl_overlap_m, stop.key_of("eoa_overlap_m"), refuse)
     return made
