@@ -32,6 +32,7 @@ SHIPPED = [
     "yizhuang_out",
     "yizhuang_out_coast",
     "yizhuang_back",
+    "yizhuang_back_coast",
     "yizhuang_round",
     "zurich",
 ]
@@ -121,7 +122,7 @@ def test_track_behind_the_last_stop_is_an_assumption() -> None:
     assert any("30 m of overrun track behind Songjiazhuang" in text for text in line("yizhuang_round").assumptions)
 
 
-@pytest.mark.parametrize("name", ["yizhuang_back", "yizhuang_out_coast", "zurich"])
+@pytest.mark.parametrize("name", ["yizhuang_back", "yizhuang_back_coast", "yizhuang_out_coast", "zurich"])
 def test_target_files_of_a_line_are_what_the_generator_makes(name: str) -> None:
     path = layers.DATA / "runs" / f"{name}.toml"
     for file, text in target_texts(path).items():
