@@ -25,7 +25,6 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import OR_YOURS, add_law_options, add_option, add_options, law_spec
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_pipe import OPTION, receive_scenario
-from railhil.scenarios.system import System
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -63,7 +62,7 @@ def _scenario(namespace: argparse.Namespace) -> AnyScenario:
     return load_any(namespace.scenario, namespace.set, namespace.fault)
 
 
-def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
+def _law(namespace: argparse.Namespace, scenario: AnyScenario) -> LawSpec:
     """The law, with the parameters and the memory of its files; their readers are imported only if there are such
     files."""
     parameters, memory = None, None
@@ -75,15 +74,14 @@ def _law(namespace: argparse.Namespace, system: System) -> LawSpec:
         from railhil.scenarios.memory_store import read_memory
 
         memory = read_memory(namespace.memory_from)
-    return law_spec(namespace, system, namespace.controller, parameters, memory)
+    return law_spec(namespace, scenario, namespace.controller, parameters, memory)
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
     scenario = _scenario(namespace)
-    system = scenario.installed_system
-    law = _law(namespace, system)
+    law = _law(namespace, scenario)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.
         print(json.dumps(law_document(law.controller, law_class(law, scenario))), flush=True)

@@ -12,6 +12,7 @@ from railhil.cli.commands import parser
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError
+from railhil.controller_node.command import main
 from railhil.scenarios.layers import DATA
 from railhil.scenarios.load import load, load_any
 from railhil.systems.ato.scenario.canonical import scenario_sha256
@@ -34,6 +35,11 @@ def test_a_section_is_run_by_the_law_of_its_line_when_none_is_asked_for() -> Non
     assert load("yizhuang_05").usual_law == "ipfc"
     assert law_of() == "ipfc_plus"
     assert law_of("--controller", "tdmc") == "tdmc"
+
+
+def test_a_node_that_is_started_by_hand_has_the_law_of_the_line_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["four_stops", "--set", "section=1", "--check"]) == 0
+    assert '"ipfc_plus"' in capsys.readouterr().out
 
 
 def test_the_law_of_a_section_changes_no_hash() -> None:

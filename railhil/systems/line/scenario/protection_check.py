@@ -134,8 +134,8 @@ def check_targets(line: LineScenario, refuse: Refuse) -> None:
             track.end_target(signal.position_m, signal.position_m + SIGNAL_OVERLAP_M, 0.0, 0.0)
         for section in line.sections:
             _check_target(line, section, section.target, "", refuse)
-            for place, curve in enumerate(section.profiles):
-                _check_target(line, section, curve, PROFILES[place], refuse)
+            for profile, curve in zip(PROFILES, section.profiles, strict=False):
+                _check_target(line, section, curve, profile, refuse)
         for index, section in enumerate(line.sections if _shortens_times(line) else ()):
             _check_fastest(line, section, fastest_curve(line, index), refuse)
     except GradeNotHeldError as error:
