@@ -66,8 +66,9 @@ def test_high_speed_trains_give_the_bytes_of_every_other_transport(name, folder,
     assert (folder / "frames.log").read_bytes() == expected.log.read_bytes()
 
 
+@pytest.mark.long
 def test_a_line_with_a_dwell_gives_the_bytes_of_every_other_transport(folder, tmp_path):
-    """38 s with three stops, 27 000 frames: doors, departure and train protection."""
+    """38 s with three stops, 27 000 frames: doors, departure and train protection. Left out in a virtual machine."""
     scenario, spec = load_any(str(TEST_DATA / "tiny_line.toml")), RunSpec(law=LawSpec("ipfc_plus"), seed=3)
     reference = tmp_path / "local"
     reference.mkdir()
