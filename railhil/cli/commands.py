@@ -28,6 +28,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "compare": "run several laws, one after another, and compare them",
         "faults": "run the fault catalogue, or random pairs of faults",
         "campaign": "thousands of perturbed runs: statistics, worst runs",
+        "hunt": "search for faults that violate a requirement, shrink them",
         "learn": "sequences of runs of a law that learns: how its errors decrease",
         "sequence": "record runs of a law that learns as one piece of evidence",
         "reproduce": "run the protocol of a paper, compare with its tables",

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,17 +16,15 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, show_progress
 from railhil.common.streams import print_json
-from railhil.faults.capability import why_not
-from railhil.faults.language import parse
 from railhil.faults.random_faults import Sent, random_pair
 from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.result import Result
-from railhil.record.trace import Trace
 from railhil.run.make import NeverBegan, run_into
-from railhil.scenarios.fault_list import fault_texts, list_disturbed_signals
+from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import System
 from railhil.study.engines import in_order, processes, until_stopped
+from railhil.study.faultless import can_inject_in, faultless_run
 
 #: Verdicts with which a run may end.
 _ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
@@ -52,17 +49,6 @@ class PairVerdict:
         return asdict(self)
 
 
-def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
-    """Times at which a run sent each of the ports; ports that it never sent are left out."""
-    found = {}
-    for port in ports:
-        times_s = trace.times_s(port)
-        if len(times_s):
-            apart_s = max((float(after - before) for before, after in pairwise(times_s)), default=0.0)
-            found[port] = Sent(float(times_s[0]), float(times_s[-1]), apart_s)
-    return found
-
-
 def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairVerdict:
     """The rules of every run, checked on one run."""
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
@@ -72,17 +58,6 @@ def judged_pair(number: int, faults: Sequence[str], result: Result) -> PairVerdi
     if verdict == "TOOL ERROR":
         failures.append(f"tool error: {result.line}")
     return PairVerdict(number, faults, verdict, failures)
-
-
-def faultless_run(base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
-    """Duration of the timetable in s, and the telegrams of the run without faults with their times.
-
-    :raises InputError, NeverBegan: as :func:`run_into`.
-    """
-    with TemporaryDirectory(dir=out) as folder:
-        result = run_into(Path(folder), replace(base, faults=()), keep=False)
-    scenario = result.scenario
-    return scenario.planned_s, sent_ports(result.trace, list_disturbed_signals(scenario.installed_system))
 
 
 def pair_run(
@@ -97,15 +72,8 @@ def pair_run(
     :param calm: of :func:`faultless_run`.
     """
 
-    def is_possible(text: str) -> bool:
-        try:
-            found = fault_texts([text], system, lambda row: Path("drawn"))
-        except InputError:
-            return False
-        return not why_not(parse(found[0]), transport, base.pace)
-
-    transport = "local" if base.is_local else "hub"
-    pair = random_pair(number, calm[0], list_disturbed_signals(system), calm[1], is_possible)
+    can_inject = partial(can_inject_in, system, base)
+    pair = random_pair(number, calm[0], list_disturbed_signals(system), calm[1], can_inject)
     spec = replace(base, faults=pair, seed=number)
     with TemporaryDirectory(dir=out) as folder:
         try:

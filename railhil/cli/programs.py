@@ -21,6 +21,7 @@ PROGRAMS = {
     "campaign": "railhil.campaign",
     "completion": "railhil.cli.completion",
     "export-c": "railhil.cli.export_c",
+    "hunt": "railhil.hunt",
     "learn": "railhil.sequences",
     "panel": "railhil.panel",
     "reproduce": "railhil.reproduce",

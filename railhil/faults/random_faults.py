@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from railhil.faults.language import fault_text
 from railhil.faults.model import (
@@ -35,9 +35,9 @@ DURATIONS_S = (0.01, 10.0)
 _RARE_S = {"clock": 1.5, "actuator": 1.0, "train": 1.0}
 #: Place that acts only at single points of the line: its faults last to the end.
 _LASTING = "balise"
-#: The first fault begins in this share of the timetable, and the second this long after it on average, in s: the second
-#: then still acts on a run whose train the first one stops.
-_BEGIN_SHARE, _APART_S = 0.8, 1.0
+#: The first fault of a pair begins in this share of the timetable, and the second this long after it on average, in s:
+#: the second then still acts on a run whose train the first one stops.
+BEGIN_SHARE, APART_S = 0.8, 1.0
 _DIGITS = 3
 #: Ports with the names of their signals.
 Ports = Mapping[str, Sequence[str]]
@@ -88,6 +88,11 @@ def words_drawn() -> tuple[Word, ...]:
     return tuple(word for word in WORDS if word.name != CLEAR and (word.level, word.name) not in LEFT_OUT)
 
 
+def _names_of(word: Word) -> list[str]:
+    """The places of a word of a level that has places of its own, without the nodes that a verdict needs."""
+    return [name for name in word.names or tuple(PLACES[word.level]) if name not in _OTHER_NODES]
+
+
 def random_fault(
     chance: random.Random, begin_s: float, ports: Ports, sent: Mapping[str, Sent], words: Sequence[Word]
 ) -> Fault:
@@ -108,7 +113,7 @@ def random_fault(
         begin_s = max(min(begin_s, sent[name].last_s - sent[name].apart_s), sent[name].first_s)
         low_s = max(low_s, sent[name].apart_s)
     elif level != "bus":
-        name = chance.choice([one for one in word.names or tuple(PLACES[level]) if one not in _OTHER_NODES])
+        name = chance.choice(_names_of(word))
     elif word.part == "line":
         part = chance.choice(("a", "b"))
     values = {
@@ -127,6 +132,34 @@ def random_fault(
     return Fault(Place(level, name, part), word.name, trigger, values, duration_s=duration_s, count=count, combine=True)
 
 
+def random_faults(
+    chance: random.Random,
+    begin_s: float,
+    count: int,
+    apart_s: Callable[[], float],
+    ports: Ports,
+    sent: Mapping[str, Sent],
+    words: Sequence[Word],
+    is_possible: Callable[[str], bool],
+    tries: int | None = None,
+) -> list[str]:
+    """Random faults in the fault language, each begun some time after the one before; they are combined if they meet.
+
+    :param begin_s: of the first; ``apart_s``: draws the time to the next one.
+    :param ports, sent, words: as in :func:`random_fault`.
+    :param is_possible: whether the run can inject a fault; others are drawn again.
+    :param tries: draws in all; None: as many as it takes. With too few there are fewer faults.
+    """
+    found: list[str] = []
+    while len(found) < count and tries != 0:
+        tries = None if tries is None else tries - 1
+        text = fault_text(random_fault(chance, begin_s, ports, sent, words))
+        if is_possible(text):
+            found.append(text)
+            begin_s += apart_s()
+    return found
+
+
 def random_pair(
     seed: int, horizon_s: float, ports: Ports, sent: Mapping[str, Sent], is_possible: Callable[[str], bool]
 ) -> tuple[str, str]:
@@ -138,11 +171,32 @@ def random_pair(
     """
     chance = random.Random(seed)
     words = words_drawn()
-    begin_s = chance.uniform(0.0, _BEGIN_SHARE * horizon_s)
-    found: list[str] = []
-    while len(found) < 2:
-        text = fault_text(random_fault(chance, begin_s, ports, sent, words))
-        if is_possible(text):
-            found.append(text)
-            begin_s += chance.expovariate(1.0 / _APART_S)
-    return found[0], found[1]
+    begin_s = chance.uniform(0.0, BEGIN_SHARE * horizon_s)
+
+    def apart_s() -> float:
+        return chance.expovariate(1.0 / APART_S)
+
+    first, second = random_faults(chance, begin_s, 2, apart_s, ports, sent, words, is_possible)
+    return first, second
+
+
+def word_subset(
+    chance: random.Random, words: Sequence[Word], ports: Ports, levels_max: int, ports_max: int
+) -> tuple[tuple[Word, ...], Ports]:
+    """A random subset of words with their places, and of ports: faults drawn from it meet each other more often than
+    those drawn from all ("swarm testing", Groce et al., ISSTA 2012).
+
+    :param levels_max: most levels among them, ``ports_max``: most ports.
+    """
+    known = sorted({word.level for word in words})
+    levels = chance.sample(known, chance.randint(1, min(levels_max, len(known))))
+    found: list[Word] = []
+    for level in sorted(levels):
+        some = [word for word in words if word.level == level]
+        kept = [word for word in some if chance.random() < 0.5] or [chance.choice(some)]
+        for word in kept:
+            names = [] if level in ("telegram", "bus") else _names_of(word)
+            chosen = tuple(name for name in names if chance.random() < 0.5)
+            found.append(replace(word, names=chosen) if chosen else word)
+    names = sorted(chance.sample(sorted(ports), chance.randint(1, min(ports_max, len(ports)))))
+    return tuple(found), {name: ports[name] for name in names}

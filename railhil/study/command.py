@@ -225,6 +225,8 @@ class Command(Generic[P]):
             say_compiling(say, kernel)
         with running(name, say, jobs, namespace.scheduler) as engine:
             made = execute(study, plan, resumed or namespace.out, console, engine, say, namespace.shard)
+            if made.is_whole:
+                made = study.finish(plan, made, engine, say)
         if not made.is_whole:
             joins = f"the last shard, or {study.command} --resume {made.folder}, joins all"
             say(f"shard {namespace.shard} is complete; {joins}")
@@ -237,4 +239,4 @@ class Command(Generic[P]):
             print_json(made.summary)
         else:
             study.show(Output(), plan, made, line)
-        return PASS
+        return study.exit_code(plan, made)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from railhil.common.exit_codes import PASS
 from railhil.common.held_code import held_sha256
 from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
     from railhil.common.output import Output
+    from railhil.study.engines import Engine, Say
     from railhil.study.execute import Outcome
     from railhil.study.finished import Verified
     from railhil.study.work import Work
@@ -82,7 +84,8 @@ class Study(Generic[P, C]):
     ``explained``: (plan) -> further entries of the manifest for people. ``items``: (plan) -> how many there are of what
     ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
     differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console, plan,
-    outcome, that line) prints the tables.
+    outcome, that line) prints the tables. ``finish``: (plan, outcome, engine, say) -> the outcome with what is made of
+    all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command.
     """
 
     name: str
@@ -98,6 +101,8 @@ class Study(Generic[P, C]):
     repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
     report: Callable[[P, Outcome], str]
     show: Callable[[Output, P, Outcome, str], None]
+    finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
+    exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS
 
     @property
     def command(self) -> str:

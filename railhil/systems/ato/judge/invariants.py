@@ -235,7 +235,7 @@ def _left_early(
     :param standing: whether the train stands at each instant; a train that has stood at this level may leave any level,
         also if it has stood between two instants only.
     """
-    for index in np.flatnonzero(np.diff(level) < 0) + 1:
+    for index in (np.flatnonzero(np.diff(level) < 0) + 1).tolist():
         left, entered = int(level[index - 1]), index - 1
         if level[index] < 0 or left == 0:
             continue

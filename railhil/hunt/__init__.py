@@ -1,0 +1,14 @@
+"""``railhil hunt``: a search for disturbances that violate a requirement, and the least one of each.
+
+::
+
+    plan.py      the request, the base run, the requirements; the cases in parts of a few runs
+    cases.py     strategies: (seed, number) -> the faults of a case
+    oracle.py    one case as a run, judged: requirements, rules of every run, cells reached
+    study.py     the hunt as a study: rows, summary, runs made again
+    shrink.py    from a case that violates a requirement to a smaller one that violates the same
+    found.py     the least cases as scenario files, each run again from its file
+    show.py      what is printed
+
+Folder, lock, parts, shards, engines, resuming and ``--verify`` are those of :mod:`railhil.study`.
+"""

@@ -1,0 +1,89 @@
+"""The command line of ``railhil hunt`` (``python -m railhil.hunt``), and the request that it makes."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from railhil.common.command_line import OneLineParser
+from railhil.common.errors import InputError, Sentence
+from railhil.common.exit_codes import run_guarded
+from railhil.hunt.cases import STRATEGIES
+from railhil.hunt.plan import Plan, Request
+from railhil.scenarios.options import add_option, add_options
+from railhil.study.command import Command, add_folder_arguments, add_number
+from railhil.study.engines import ENGINES
+
+_VERIFIED_RUNS = 3
+_EXIT_CODES = """\
+exit codes:
+  0    no violation was found (this is not absence); --verify: the bench gives the same results
+  1    a requirement is violated; --verify: the bench gives other results
+  2    usage or bad input; one line says what was found and what is allowed
+  3    more than half of the runs could not be judged, or workers were lost too often; what is done is kept
+  4    a defect of the bench: an exception in a run is a finding of its own, or a least case is not repeated by its file
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
+
+
+def _ids(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def _requirements(text: str) -> str:
+    """A file by its absolute path, so that a hunt can be resumed from any folder."""
+    return str(Path(text).resolve()) if Path(text).is_file() else text
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the hunt."""
+    parser = OneLineParser(
+        prog="railhil hunt",
+        examples=[
+            "railhil hunt yizhuang_05 --requirements mine.toml --runs 200 --seed 7 --out runs/hunt",
+            "railhil hunt --resume runs/hunt",
+            "railhil hunt --verify runs/hunt --runs 3",
+        ],
+        description="Search for disturbances that violate a requirement, and shrink them to the least ones.",
+        epilog=_EXIT_CODES,
+    )
+    add_option(parser, "scenario", default=None)
+    add_options(parser, "--set")
+    said = "requirements: a TOML file, or the name of a system that ships one; may be given again"
+    parser.add_argument("--requirements", metavar="FILE", action="append", type=_requirements, help=said)
+    said = "search for these requirements only: ids, or their beginnings"
+    parser.add_argument("--only", metavar="INV-4,...", type=_ids, help=said)
+    add_option(parser, "--controller")
+    add_option(parser, "--arithmetic")
+    add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")
+    add_number(parser, Request, "seed")
+    parser.add_argument("--strategy", choices=STRATEGIES, help="how cases are made (default: auto, in turn)")
+    parser.add_argument("--no-shrink", action="store_true", help="keep the cases as they were found")
+    parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
+    add_option(parser, "--jobs")
+    add_folder_arguments(parser, "hunt", with_report=False)
+    return parser
+
+
+def _check_engine(namespace: argparse.Namespace) -> None:
+    if namespace.jobs is not None and namespace.engine != "processes":
+        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine processes"))
+    if namespace.scheduler is not None and namespace.engine != "dask":
+        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
+
+
+COMMAND: Command[Plan] = Command(
+    "railhil hunt",
+    "railhil.hunt.study:HUNT",
+    Request,
+    arguments,
+    verified=("runs", _VERIFIED_RUNS),
+    only_run=("json",),
+    check=_check_engine,
+    engine=lambda namespace: (namespace.engine, namespace.jobs),
+    how=lambda plan: ("", None),
+)
+
+
+if __name__ == "__main__":
+    sys.exit(run_guarded("railhil hunt", COMMAND.main))

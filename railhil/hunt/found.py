@@ -1,0 +1,247 @@
+"""The least cases of a hunt: shrunk, one of each class, written as scenario files, and run again from these files."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railhil.common.digits import count_of
+from railhil.common.errors import describe_os_error
+from railhil.common.user_files import RecordFailed, write_synced
+from railhil.faults.language import parse
+from railhil.faults.notation import place_text
+from railhil.hunt.oracle import Judged, run_case
+from railhil.hunt.shrink import Shrunk, shrink
+from railhil.record.framelog import sha256_of
+from railhil.record.hash_list import read_hash_list, write_hash_list
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.settings import set_words
+
+if TYPE_CHECKING:
+    from railhil.hunt.plan import Plan
+    from railhil.requirements.requirement import Requirement
+    from railhil.study.engines import Engine, Say
+    from railhil.study.execute import Outcome
+
+#: Names in the folder of a hunt.
+CASES, FOUND, FOUND_LIST = "cases.jsonl", "found", "found.json"
+#: Cases of each requirement that are shrunk: the first ones.
+SHRUNK_MAX = 3
+_CLASS_WORDS = " and "
+
+
+@dataclass(frozen=True, slots=True)
+class ShrinkTask:
+    """A case that violates a requirement. ``requirements``: by which its runs are judged. ``horizon_s``: as in
+    :func:`railhil.hunt.shrink.shrink`; ``shrinks``: whether it is made smaller at all."""
+
+    base: RunSpec
+    requirements: tuple[Requirement, ...]
+    requirement: str
+    number: int
+    faults: tuple[str, ...]
+    seed: int
+    horizon_s: float
+    shrinks: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Least:
+    """The least case of a task, and its run; ``said``: how that one violates the requirement."""
+
+    task: ShrinkTask
+    shrunk: Shrunk
+    said: str
+    frames_sha256: str
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """Its class: the requirement, the places and words of the faults."""
+        faults = sorted(f"{place_text(one.place)} {one.what}" for one in map(parse, self.shrunk.faults))
+        return self.task.requirement, _CLASS_WORDS.join(faults)
+
+
+def shrink_case(task: ShrinkTask) -> Least:
+    """Shrink one case; its runs are made in this process."""
+    runs: dict[tuple[tuple[str, ...], int], Judged] = {}
+
+    def violates(faults: tuple[str, ...], seed: int) -> bool:
+        found = runs[faults, seed] = run_case(task.base, task.requirements, faults, seed)
+        return task.requirement in found.violated
+
+    if task.shrinks:
+        least = shrink(task.faults, task.seed, violates, task.horizon_s)
+    else:
+        least = Shrunk(task.faults, task.seed, 0, 0)
+    key = (least.faults, least.seed)
+    if key not in runs:
+        violates(*key)
+    return Least(task, least, runs[key].violated.get(task.requirement, ""), runs[key].frames_sha256)
+
+
+@dataclass(frozen=True, slots=True)
+class _FileRun:
+    """The run of a scenario file that a hunt has written."""
+
+    base: RunSpec
+    requirements: tuple[Requirement, ...]
+    file: Path
+    seed: int
+    folder: Path
+
+
+def _run_file(run: _FileRun) -> Judged:
+    return run_case(replace(run.base, scenario=str(run.file)), run.requirements, (), run.seed, run.folder)
+
+
+def shrink_violations(plan: Plan, made: Outcome, engine: Engine, say: Say) -> Outcome:
+    """Write ``cases.jsonl``, shrink the first violations of each requirement, and write the least cases.
+
+    A finished hunt has them already.
+
+    :returns: the outcome with the least cases in its summary, as ``found``.
+    :raises RecordFailed: a file cannot be written.
+    """
+    found = _listed(made.folder)
+    if found is None:
+        try:
+            found = _make(plan, made, engine, say)
+        except OSError as error:
+            raise RecordFailed(f"{made.folder} cannot be written: {describe_os_error(error)}") from error
+    return replace(made, summary={**made.summary, "found": found})
+
+
+def _listed(folder: Path) -> list[dict[str, Any]] | None:
+    """The least cases that the folder has; None: it has none, or a file has changed since."""
+    hashes = read_hash_list(folder) or {}
+    if not (folder / FOUND_LIST).is_file():
+        return None
+    wanted = {name: sha256 for name, sha256 in hashes.items() if name in (CASES, FOUND_LIST) or _is_found(name)}
+    if not {CASES, FOUND_LIST} <= wanted.keys():
+        return None
+    if any(not (folder / name).is_file() or sha256_of(folder / name) != sha256 for name, sha256 in wanted.items()):
+        return None
+    found: list[dict[str, Any]] = json.loads((folder / FOUND_LIST).read_bytes())
+    return found
+
+
+def _is_found(name: str) -> bool:
+    return name.startswith(f"{FOUND}/") and name.endswith(".toml") and name.count("/") == 1
+
+
+def _make(plan: Plan, made: Outcome, engine: Engine, say: Say) -> list[dict[str, Any]]:
+    assert made.table is not None
+    rows: list[dict[str, Any]] = made.table.to_pylist()
+    write_synced(made.folder / CASES, "".join(f"{json.dumps(row, sort_keys=True)}\n" for row in rows).encode())
+    place = made.folder / FOUND
+    if place.exists():
+        # A command that was stopped has left it.
+        shutil.rmtree(place)
+    tasks = list(_tasks(plan, rows))
+    if tasks and not plan.request.no_shrink:
+        say(f"{count_of(len(tasks), 'case')} to be made smaller")
+    with engine(shrink_case, tasks) as results:
+        least = [one for _, one in sorted(results, key=lambda result: result[0])]
+    found = _write(plan, place, _one_of_each(least), engine) if least else []
+    write_synced(made.folder / FOUND_LIST, (json.dumps(found, indent=2) + "\n").encode())
+    write_hash_list(made.folder)
+    return found
+
+
+def _tasks(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> Iterator[ShrinkTask]:
+    """The first violations of each requirement that is searched for."""
+    counts: dict[str, int] = {}
+    for row in rows:
+        for name in row["violated"]:
+            if plan.is_searched(name) and counts.get(name, 0) < SHRUNK_MAX:
+                counts[name] = counts.get(name, 0) + 1
+                yield ShrinkTask(
+                    plan.base,
+                    plan.requirements,
+                    name,
+                    row["number"],
+                    tuple(row["faults"]),
+                    row["seed"],
+                    plan.scenario.planned_s,
+                    not plan.request.no_shrink,
+                )
+
+
+def _one_of_each(least: Sequence[Least]) -> list[Least]:
+    """The first of each class."""
+    found: dict[tuple[str, str], Least] = {}
+    for one in least:
+        found.setdefault(one.kind, one)
+    return list(found.values())
+
+
+def _write(plan: Plan, place: Path, least: Sequence[Least], engine: Engine) -> list[dict[str, Any]]:
+    """Write the files, make their runs, and list them."""
+    place.mkdir()
+    names, counts = [], dict.fromkeys((one.task.requirement for one in least), 0)
+    for one in least:
+        counts[one.task.requirement] += 1
+        names.append(f"{one.task.requirement}-{counts[one.task.requirement]}")
+        text = _scenario_file(plan, place, names[-1], one)
+        write_synced(place / f"{names[-1]}.toml", text.encode())
+    runs = [
+        _FileRun(plan.base, plan.requirements, place / f"{name}.toml", one.shrunk.seed, place / name)
+        for name, one in zip(names, least, strict=True)
+    ]
+    with engine(_run_file, runs) as results:
+        again = dict(results)
+    return [_entry(plan, name, one, again[number]) for number, (name, one) in enumerate(zip(names, least, strict=True))]
+
+
+def _entry(plan: Plan, name: str, one: Least, again: Judged) -> dict[str, Any]:
+    task = one.task
+    return {
+        "id": task.requirement,
+        "name": name,
+        "says": one.said,
+        "case": task.number,
+        "from": {"faults": list(task.faults), "seed": task.seed},
+        **asdict(one.shrunk),
+        "faults": list(one.shrunk.faults),
+        "longer_pass": list(one.shrunk.longer_pass),
+        "frames_sha256": one.frames_sha256,
+        "options": _options(plan, one),
+        "is_repeatable": again.frames_sha256 == one.frames_sha256 and task.requirement in again.violated,
+    }
+
+
+def _options(plan: Plan, one: Least) -> str:
+    """The options with which ``railhil run`` repeats a file."""
+    law = plan.base.law
+    words = ["--controller", law.controller, "--arithmetic", law.arithmetic]
+    words += ["--seed", str(one.shrunk.seed)] if one.shrunk.seed else []
+    return "".join(f" {shlex.quote(word)}" for word in (*words, *set_words(plan.request.settings)))
+
+
+def _scenario_file(plan: Plan, place: Path, name: str, one: Least) -> str:
+    """The least case as a scenario that extends the one of the hunt."""
+    scenario = plan.request.scenario
+    base = os.path.relpath(scenario, place.resolve()) if scenario.endswith(".toml") else scenario
+    faults = (*plan.scenario.faults, *one.shrunk.faults)
+    lines = [
+        f"# railhil hunt, seed {plan.request.seed}: {one.task.requirement} is violated: {one.said}",
+        f"# railhil run {FOUND}/{name}.toml{_options(plan, one)}",
+        f"# frames.log sha256 {one.frames_sha256}",
+        f"# found in case {one.task.number} with {count_of(len(one.task.faults), 'fault')}, "
+        f"shrunk in {count_of(one.shrunk.runs, 'run')}",
+        "schema_version = 1",
+        f"extends = {_toml_text(base)}",
+        f"fault = [{''.join(f'{chr(10)}    {_toml_text(text)},' for text in faults)}\n]",
+    ]
+    return "\n".join(line.replace("\r", " ") for line in lines) + "\n"
+
+
+def _toml_text(text: str) -> str:
+    """A basic string of TOML; its escapes are those of JSON."""
+    return json.dumps(text)

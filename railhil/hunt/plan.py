@@ -1,0 +1,166 @@
+"""The plan of a hunt: a run without faults, what is searched for, and the cases in parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from railhil.common.command_line import ARITHMETICS, SEED_MAX, USUAL_SCENARIO
+from railhil.common.errors import InputError
+from railhil.controller_node.controller import make_controller_node
+from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
+from railhil.hunt.oracle import BENCH, RULE_ID
+from railhil.requirements.requirement import Requirement, check_requirements, read_requirements
+from railhil.scenarios.fault_list import list_disturbed_signals
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.study.faultless import can_inject_in, faultless_run
+from railhil.study.manifest import one_of
+from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+
+RUNS_MAX = 1_000_000
+#: Runs of a part: what a process does at a time, and what is lost when it is killed.
+PART_RUNS = 8
+#: Code, beyond the bench's own, on which the rows depend.
+_OWN_CODE = ("hunt", "requirements", "study/faultless.py")
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The request from the command line. ``requirements``: files, and names of systems that ship one. ``controller``,
+    ``arithmetic``: empty: the usual one of the scenario's system. ``only``: ids of requirements, or beginnings of them;
+    empty: all."""
+
+    scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
+    settings: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
+    controller: str = ""
+    arithmetic: Annotated[str, one_of(("", *ARITHMETICS))] = ""
+    runs: Annotated[int, Field(ge=1, le=RUNS_MAX)] = 2000
+    seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = 0
+    strategy: Annotated[str, one_of(STRATEGIES)] = "auto"
+    no_shrink: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Cases with consecutive numbers."""
+
+    index: int
+    numbers: range
+
+    @property
+    def name(self) -> str:
+        """Name of its part, without suffix."""
+        return f"cases-{self.index:06d}"
+
+    @property
+    def runs(self) -> int:
+        """How many cases it has."""
+        return len(self.numbers)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A hunt; to resume it, its identity must be the same. ``base``: the run without faults. ``requirements``:
+    those that are searched for, besides the rules of every run."""
+
+    request: Request
+    scenario: AnyScenario
+    base: RunSpec
+    requirements: tuple[Requirement, ...]
+
+    @cached_property
+    def space(self) -> Space:
+        """What cases are drawn from; for this, the run without faults is made once.
+
+        :raises InputError, NeverBegan: it cannot be made.
+        """
+        system = self.scenario.installed_system
+        horizon_s, sent = faultless_run(self.base)
+        return Space(horizon_s, list_disturbed_signals(system), sent, partial(can_inject_in, system, self.base))
+
+    def cases(self, numbers: Sequence[int]) -> tuple[HuntCase, ...]:
+        """The cases with these numbers."""
+        return make_cases(self.request.strategy, self.request.seed, numbers, self.space)
+
+    def chunks(self) -> list[Chunk]:
+        """All parts, in the order of the cases."""
+        numbers = range(self.request.runs)
+        return [Chunk(index, numbers[first : first + PART_RUNS]) for index, first in enumerate(numbers[::PART_RUNS])]
+
+    def origin(self, chunk: Chunk) -> str:
+        """The identification of a part: its hunt and its cases. A longer hunt has the same first cases."""
+        return f"{self.results_origin} {chunk.name} {chunk.runs}"
+
+    def is_searched(self, requirement: str) -> bool:
+        """Whether a requirement is among those that the user has named; a defect of the bench always is."""
+        return requirement == BENCH or _is_named(requirement, self.request.only)
+
+    @property
+    def subject(self) -> dict[str, Any]:
+        """Everything that determines a row."""
+        law = self.base.law
+        return {
+            "scenario": self.scenario.name,
+            "scenario_sha256": any_judged_sha256(self.scenario),
+            "law": law.controller,
+            **law.how,
+            "seed": self.request.seed,
+            "strategy": self.request.strategy,
+            "requirements": [one.as_json() for one in self.requirements],
+            "law_sha256": law_sha256(law.controller, self.scenario.system),
+            "code_sha256": bench_sha256(),
+            "batch_sha256": batch_sha256(*_OWN_CODE),
+            "system_sha256": self.scenario.installed_system.code_sha256(),
+        }
+
+    @property
+    def results_origin(self) -> str:
+        """Hash of :attr:`subject`; recorded in the results and in every part."""
+        return sha256_of_json(self.subject)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """The values that must be unchanged when the hunt is resumed."""
+        asked = self.request
+        return self.subject | {"runs": asked.runs, "only": list(asked.only), "no_shrink": asked.no_shrink}
+
+    @property
+    def own_code(self) -> tuple[str, ...]:
+        """Code, beyond the bench's own, on which the rows depend."""
+        return _OWN_CODE
+
+
+def make_plan(request: Request) -> Plan:
+    """Load what the request names, and check that its law can be made.
+
+    :raises InputError: a scenario, law or arithmetic that cannot be run, or an id of no requirement.
+    """
+    scenario = load_any(request.scenario, request.settings)
+    system = scenario.installed_system
+    if request.controller:
+        system.check_law(request.controller, "command line", "--controller")
+    law = LawSpec(request.controller or system.law, request.arithmetic or system.arithmetic)
+    requirements = tuple(one for word in request.requirements for one in read_requirements(word))
+    check_requirements(requirements, scenario)
+    for only in request.only:
+        ids = [one.id for one in requirements]
+        if not only or not (RULE_ID.startswith(only[:3]) or any(name.startswith(only) for name in ids)):
+            allowed = ", ".join([*ids, f"{RULE_ID}-1, {RULE_ID}-2, ... (the rules of every run)"])
+            raise InputError("command line", "--only", only, allowed)
+    requirements = tuple(one for one in requirements if _is_named(one.id, request.only))
+    base = RunSpec(request.scenario, request.settings, law, bus="local")
+    make_controller_node(scenario, replace(base, seed=0)).close()
+    return Plan(request, scenario, base, requirements)
+
+
+def _is_named(requirement: str, only: Sequence[str]) -> bool:
+    return not only or any(requirement.startswith(one) for one in only)

@@ -1,0 +1,90 @@
+"""What ``railhil hunt`` prints: each violated requirement with its least case, and what was not found."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railhil.common.digits import count_of
+from railhil.hunt.found import FOUND
+from railhil.hunt.oracle import BENCH
+from railhil.requirements.sentence import SILENT
+
+if TYPE_CHECKING:
+    from railhil.common.output import Output
+    from railhil.hunt.plan import Plan
+    from railhil.study.execute import Outcome
+
+_DIGEST = 12
+
+
+def show(console: Output, plan: Plan, made: Outcome) -> None:
+    """Print the result of a finished hunt."""
+    for line in lines(plan, made.summary, made.folder):
+        console.say(line)
+    console.say(f"hunt folder {made.folder}")
+
+
+def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
+    """The result of a hunt, line by line; the commands in it are for the present folder."""
+    law = plan.base.law
+    many = f"{count_of(len(plan.requirements), 'requirement')} and " if plan.requirements else ""
+    what = f"{many}the rules of every run"
+    yield f"{summary['scenario']}, {law.controller} {law.arithmetic}, {what}; seed {summary['seed']}"
+    last = summary["last_new_cell"]
+    new = "" if last is None else f", the last new one in case {last}"
+    yield (
+        f"{count_of(summary['runs'], 'run', spec=',')} ({summary['valid']:,} valid); "
+        f"{count_of(len(summary['cells']), 'cell')} of level, cause and phase reached{new}"
+    )
+    for one in summary["requirements"]:
+        if one["verdict"] != "violated":
+            yield _kept(one)
+            continue
+        yield f"{one['id']}  VIOLATED in {count_of(one['violations'], 'run')}: {one['said']}"
+        for least in (case for case in summary["found"] if case["id"] == one["id"]):
+            yield from _least(least, folder)
+    yield _verdict(summary)
+
+
+def _kept(one: Mapping[str, Any]) -> str:
+    """A requirement that no run violates."""
+    if one["verdict"] == SILENT:
+        return f"{one['id']}  says nothing: its antecedent was never met in {count_of(one['runs'], 'run', spec=',')}"
+    nearest = "" if one["margin"] is None else f"; nearest {one['margin']:.4g} {one['unit']}".rstrip()
+    slack = "" if one["slack"] is None else f", least slack {one['slack'] * 1e3:g} ms"
+    met = f"antecedent met in {one['antecedent_met']:,}"
+    return f"{one['id']}  not found in {count_of(one['runs'], 'run', spec=',')}{nearest}{slack} ({met})"
+
+
+def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
+    for text in one["faults"]:
+        yield f"    {text}"
+    before = one["from"]["faults"]
+    shrunk = (
+        f"shrunk in {count_of(one['runs'], 'run')} from {count_of(len(before), 'fault')} to {len(one['faults'])}"
+        if one["runs"]
+        else "not shrunk"
+    )
+    saved = "" if one["saved_at_s"] is None else f"; ending it at {one['saved_at_s']:g} s still saves the run"
+    yield f"    found in case {one['case']}, {shrunk}{saved}"
+    if one["longer_pass"]:
+        factors = ", ".join(f"x{factor:g}" for factor in one["longer_pass"])
+        yield f"    not monotone: longer ones pass ({factors})"
+    file = shlex.quote(str(folder / FOUND / f"{one['name']}.toml"))
+    yield f"    railhil run {file}{one['options']}"
+    repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
+    yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
+
+
+def _verdict(summary: Mapping[str, Any]) -> str:
+    runs = f"{count_of(summary['runs'], 'run', spec=',')} with this seed"
+    found = [one["id"] for one in summary["requirements"] if one["verdict"] == "violated"]
+    if not found:
+        if 2 * summary["valid"] < summary["runs"]:
+            return f"INVALID: only {summary['valid']:,} of {runs} could be judged"
+        return f"no violation found in {runs}. Not found is not absence."
+    bench = "; a defect of the bench" if BENCH in found else ""
+    return f"FAIL: {', '.join(found)} violated{bench}. Not found is not absence: {runs}."

@@ -1,0 +1,207 @@
+"""A hunt as a study: the rows of its cases, its summary, its runs made again, and the least cases at its end."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow as pa
+
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
+from railhil.hunt.cases import HuntCase
+from railhil.hunt.found import shrink_violations
+from railhil.hunt.oracle import BENCH, run_case
+from railhil.hunt.plan import Chunk, Plan, Request, make_plan
+from railhil.hunt.show import show
+from railhil.requirements.outcome import NOT_JUDGED
+from railhil.requirements.requirement import Requirement
+from railhil.requirements.sentence import SILENT
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.study.execute import Outcome
+from railhil.study.finished import Verified, differences
+from railhil.study.manifest import machine_and_list
+from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
+from railhil.study.table import NotThePart, row
+
+_TEXTS = pa.list_(pa.string())
+_OUTCOME = {
+    "id": pa.string(),
+    "verdict": pa.string(),
+    "margin": pa.float64(),
+    "unit": pa.string(),
+    "instant_s": pa.float64(),
+    "antecedent_met": pa.int64(),
+    "slack": pa.float64(),
+}
+SCHEMA = pa.schema(
+    [
+        pa.field("number", pa.int64(), nullable=False),
+        pa.field("strategy", pa.string(), nullable=False),
+        pa.field("seed", pa.int64(), nullable=False),
+        pa.field("faults", _TEXTS, nullable=False),
+        pa.field("verdict", pa.string(), nullable=False),
+        # Ids of the violated requirements, and a sentence for each.
+        pa.field("violated", _TEXTS, nullable=False),
+        pa.field("said", _TEXTS, nullable=False),
+        # Of each requirement of the hunt, in their order.
+        pa.field("outcomes", pa.list_(pa.struct(_OUTCOME)), nullable=False),
+        pa.field("detail", pa.string(), nullable=False),
+        pa.field("cells", _TEXTS, nullable=False),
+        pa.field("frames_sha256", pa.string(), nullable=False),
+    ]
+)
+
+
+def case_row(base: RunSpec, requirements: Sequence[Requirement], case: HuntCase) -> dict[str, Any]:
+    """The row of a case, whose run is made."""
+    found = run_case(base, requirements, case.faults, case.seed)
+    return {
+        "number": case.number,
+        "strategy": case.strategy,
+        "seed": case.seed,
+        "faults": list(case.faults),
+        "verdict": found.verdict,
+        "violated": list(found.violated),
+        "said": list(found.violated.values()),
+        "outcomes": [{name: getattr(outcome, name) for name in _OUTCOME} for outcome in found.outcomes],
+        "detail": found.detail,
+        "cells": list(found.cells),
+        "frames_sha256": found.frames_sha256,
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkWork:
+    """The cases of a part, which are data, and the run without faults."""
+
+    base: RunSpec
+    requirements: tuple[Requirement, ...]
+    system: str
+    own_code: tuple[str, ...]
+    cases: tuple[HuntCase, ...]
+
+    def code(self) -> tuple[str, ...]:
+        return bench_sha256(), batch_sha256(*self.own_code), law_sha256(self.base.law.controller, self.system)
+
+    def rows(self) -> pa.Table:
+        rows = [case_row(self.base, self.requirements, case) for case in self.cases]
+        return pa.Table.from_pylist(rows, schema=SCHEMA)
+
+
+def _work(plan: Plan, chunk: Chunk) -> ChunkWork:
+    return ChunkWork(plan.base, plan.requirements, plan.scenario.system, plan.own_code, plan.cases(chunk.numbers))
+
+
+def _check_rows(table: pa.Table, plan: Plan, chunk: Chunk) -> None:
+    if table["number"].to_pylist() != list(chunk.numbers):
+        raise NotThePart("with other cases")
+
+
+def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
+    """``summary.json``: the requirements, the strategies and the cells, without what the least cases add."""
+    rows = table.to_pylist()
+    valid = [one for one in rows if one["verdict"] in ("PASS", "FAIL")]
+    cells: dict[str, int] = {}
+    for one in rows:
+        for cell in one["cells"]:
+            cells.setdefault(cell, one["number"])
+    return {
+        "scenario": plan.scenario.name,
+        "scenario_sha256": any_judged_sha256(plan.scenario),
+        "law": plan.base.law.controller,
+        **plan.base.law.how,
+        "code_sha256": bench_sha256(),
+        "seed": plan.request.seed,
+        "runs": len(rows),
+        "valid": len(valid),
+        "verdicts": dict(sorted(Counter(one["verdict"] for one in rows).items())),
+        "requirements": _requirements(plan, rows, len(valid)),
+        "strategies": _strategies(rows),
+        "cells": sorted(cells),
+        "last_new_cell": max(cells.values(), default=None),
+    }
+
+
+def _requirements(plan: Plan, rows: Sequence[Mapping[str, Any]], valid: int) -> list[dict[str, Any]]:
+    """The requirements of the hunt in their order, then the rules of every run that are violated."""
+    found = {one.id: _requirement(one, rows) for one in plan.requirements}
+    for one in rows:
+        for name, said in zip(one["violated"], one["said"], strict=True):
+            if not plan.is_searched(name):
+                continue
+            entry = found.setdefault(name, {"id": name, "says": said, "runs": valid})
+            if entry.get("verdict") != "violated":
+                entry |= {"verdict": "violated", "said": said, "first": one["number"], "violations": 0}
+            entry["violations"] += 1
+    return list(found.values())
+
+
+def _requirement(requirement: Requirement, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What all runs made of a requirement. ``nearest``: smallest margin; ``slack``: least of all runs, in s."""
+    outcomes = [one for case in rows for one in case["outcomes"] if one["id"] == requirement.id]
+    judged = [one for one in outcomes if one["verdict"] != NOT_JUDGED]
+    nearest = min((one for one in judged if one["margin"] is not None), key=lambda one: one["margin"], default=None)
+    met = sum(one["verdict"] != SILENT for one in judged)
+    return {
+        "id": requirement.id,
+        "says": requirement.says,
+        "verdict": "not found" if met else SILENT,
+        "runs": len(judged),
+        "antecedent_met": met,
+        "margin": None if nearest is None else nearest["margin"],
+        "unit": None if nearest is None else nearest["unit"],
+        "instant_s": None if nearest is None else nearest["instant_s"],
+        "slack": min((one["slack"] for one in judged if one["slack"] is not None), default=None),
+        "violations": 0,
+    }
+
+
+def _strategies(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for one in rows:
+        entry = found.setdefault(one["strategy"], {"runs": 0, "valid": 0, "first_violation": None})
+        entry["runs"] += 1
+        entry["valid"] += one["verdict"] in ("PASS", "FAIL")
+        if one["violated"] and entry["first_violation"] is None:
+            entry["first_violation"] = entry["runs"]
+    return dict(sorted(found.items()))
+
+
+def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
+    """One case run again."""
+    ours = row(rows, place)
+    (case,) = plan.cases([ours["number"]])
+    bench = case_row(plan.base, plan.requirements, case)
+    yield Verified(f"case {case.number}", {"case": case.number}, differences(ours, bench))
+
+
+def exit_code(plan: Plan, made: Outcome) -> int:
+    """0: no violation found; 1: violated; 3: more than half of the runs say nothing; 4: a defect of the bench."""
+    found = {one["id"] for one in made.summary["requirements"] if one["verdict"] == "violated"}
+    if BENCH in found or any(not one["is_repeatable"] for one in made.summary["found"]):
+        return TOOL_ERROR
+    if found:
+        return FAIL
+    return INVALID if 2 * made.summary["valid"] < made.summary["runs"] else PASS
+
+
+HUNT: Study[Plan, Chunk] = Study(
+    name="hunt",
+    kind="hunt",
+    request=Request,
+    make_plan=make_plan,
+    columns=lambda plan: SCHEMA,
+    check_rows=_check_rows,
+    work=_work,
+    summary=summary,
+    explained=lambda plan: machine_and_list(),
+    items=lambda plan: plan.request.runs,
+    repeat=_repeat,
+    report=lambda plan, made: "",
+    show=lambda console, plan, made, line: show(console, plan, made),
+    finish=shrink_violations,
+    exit_code=exit_code,
+)
