@@ -72,17 +72,40 @@ def make_controller_node(
     folder: Path | None = None,
     kill: Callable[[], None] | None = None,
     pause: Callable[[float], None] | None = None,
+    branches: bool = False,
 ) -> AnyController:
     """The controller of a run.
 
     :param controller: computes the commands instead of the law; None: the law.
     :param folder: the run folder, for the log of the faults; None: no log is written.
     :param kill, pause: see :class:`railhil.bus.injector.controller_side.FaultyController`.
+    :param branches: the run may be given other faults (:func:`adopt_faults`).
     :raises InputError: the law cannot be made.
     """
-    system = scenario.installed_system
-    part, contract = system.part("controller"), system.contract
+    contract = scenario.installed_system.contract
+    make = _maker(scenario, run, controller, fd, bit_rate)
+    if not scenario.faults and not branches:
+        return cast(AnyController, make())
+    # A controller without faults does not load the injection, which takes a tenth of its start.
+    from railhil.bus.injector.controller_side import FaultyController
+    from railhil.bus.injector.node_faults import NodeFaults
+    from railhil.scenarios.fault_list import make_injection
 
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
+    faults = NodeFaults(make_injection(scenario, run.seed), contract, schedule, "controller", folder)
+    if branches:
+        faults.activities.remember()
+    elif not faults.activities.all:
+        # All faults of the run are at other nodes.
+        return cast(AnyController, make())
+    return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
+
+
+def _maker(
+    scenario: AnyScenario, run: RunSpec, controller: Any, fd: bool, bit_rate: int | None
+) -> Callable[[], Any]:
+    """Makes the controller of a run, again after a restart."""
+    part = scenario.installed_system.part("controller")
     made: list[AnyController] = []
 
     def make() -> Any:
@@ -95,21 +118,20 @@ def make_controller_node(
         made[:] = [given.make_node(scenario, run, fd=fd, bit_rate=bit_rate)]
         return made[0]
 
-    if not scenario.faults:
-        return cast(AnyController, make())
-    # A controller without faults does not load the injection, which takes a tenth of its start.
-    from railhil.bus.injector.controller_side import FaultyController
-    from railhil.bus.injector.node_faults import NodeFaults
-    from railhil.scenarios.fault_list import injection_of
+    return make
 
-    injection = injection_of(scenario, run.seed)
-    assert injection is not None
-    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
-    faults = NodeFaults(injection, contract, schedule, "controller", folder)
-    if not faults.activities.all:
-        # All faults of the run are at other nodes.
-        return cast(AnyController, make())
-    return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
+
+def adopt_faults(node: AnyController, scenario: AnyScenario, run: RunSpec, folder: Path | None, *, fd: bool) -> None:
+    """Make a controller with ``branches`` that of another run, which differs only in its faults, from now on.
+
+    :param folder: the run folder of that run.
+    :raises InputError: a fault has begun that is not in both runs.
+    """
+    from railhil.bus.injector.controller_side import FaultyController
+    from railhil.scenarios.fault_list import make_injection
+
+    assert isinstance(node, FaultyController), "this run has no branches"
+    node.adopt(_maker(scenario, run, None, fd, None), make_injection(scenario, run.seed), folder)
 
 
 def write_fault_log(node: AnyController) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
@@ -15,7 +15,7 @@ from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.hub.disturbances import Disturber
-from railhil.bus.ident import PltIdent, Role, make_ident
+from railhil.bus.ident import Ident, PltIdent, Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.link.base import PackedEnd
 from railhil.bus.reception import Document, reception
@@ -59,11 +59,26 @@ class PlantFaults:
         if self.inside is not None:
             self.inside.order(number, order)
 
+    def adopt(self, scenario: AnyScenario, seed: int, folder: Path | None) -> None:
+        """Have the faults of another scenario from the next tick on.
+
+        :param folder: the run folder of the run that has them.
+        :raises InputError: a fault has begun that is not in both scenarios.
+        """
+        from railhil.plant_sim.faults.plants import faults_inside
+        from railhil.scenarios.fault_list import make_injection
+
+        assert self.sent is not None, "this run has no branches"
+        self.folder = folder
+        self.sent.adopt(make_injection(scenario, seed), folder)
+        if self.inside is not None:
+            self.inside.adopt(faults_inside(scenario, seed))
+
     def write_logs(self) -> None:
         """Write the logs of the faults into the run folder."""
         if self.sent is not None:
             self.sent.write()
-        if self.inside is not None and self.folder is not None:
+        if self.inside is not None and self.inside.activities and self.folder is not None:
             from railhil.bus.injector.activities import INSIDE
 
             self.inside.log.write(self.folder, INSIDE, self.inside.activities)
@@ -146,6 +161,16 @@ class PlantNode:
         if self._pacer.rate:
             found["frames"]["late"] = self.administrator.counters["late_frames"]
         return found
+
+    def adopt(self, scenario: AnyScenario, run: RunSpec, folder: Path | None) -> None:
+        """Be the plant of another run from the next tick on, which differs from this one only in its faults.
+
+        :raises InputError: a fault has begun that is not in both runs.
+        """
+        self.faults.adopt(scenario, run.seed, folder)
+        self._handshake.own = replace(
+            self._handshake.own, scenario_hash=_make_ident(scenario, run).scenario_hash
+        )
 
     # -- before the run -------------------------------------------------------------------------------------------
 
@@ -332,6 +357,14 @@ def _after(polled: Sequence[Port], number: int, schedule: Schedule) -> list[tupl
     return [(schedule.ticks(port.name), port) for port in after]
 
 
+def _make_ident(scenario: AnyScenario, run: RunSpec) -> Ident:
+    """The plant's statement of the run."""
+    contract = scenario.installed_system.contract
+    return make_ident(
+        Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
+    )
+
+
 def make_plant_node(
     scenario: AnyScenario,
     run: RunSpec,
@@ -344,6 +377,7 @@ def make_plant_node(
     fault_log: Path | None = None,
     disturber: Disturber | None = None,
     packed: PackedEnd | None = None,
+    branches: bool = False,
 ) -> PlantNode:
     """The plant of a run.
 
@@ -356,25 +390,26 @@ def make_plant_node(
     :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
     :param packed: the same endpoint for packed frames (:attr:`railhil.bus.link.Link.packed`). With faults, only the
         frames that they leave are sent early there.
+    :param branches: the run may be given other faults (:meth:`PlantNode.adopt`).
     :raises InputError: the plant cannot have the run's faults or FMU.
     """
     system = scenario.installed_system
     contract = system.contract
     tick_ns = scenario.timing.base_tick_ns
     schedule = Schedule.from_contract(tick_ns, scenario.timing.port_period_ns, contract)
-    plant, inside = make_plant(scenario, run)
+    plant, inside = make_plant(scenario, run, branches=branches)
     endpoint.lossless = not run.is_realtime
     sent: NodeFaults | None = None
     send_early: Callable[[Sequence[Frame]], bool] | None = None
-    if scenario.faults:
+    if scenario.faults or branches:
         # The injector is loaded only for a run with faults, because it takes a tenth of the start of a node.
         from railhil.bus.injector.node_faults import NodeFaults
         from railhil.bus.injector.plant_side import FaultyEndpoint
-        from railhil.scenarios.fault_list import injection_of
+        from railhil.scenarios.fault_list import make_injection
 
-        injection = injection_of(scenario, run.seed)
-        assert injection is not None
-        sent = NodeFaults(injection, contract, schedule, "plant", fault_log)
+        sent = NodeFaults(make_injection(scenario, run.seed), contract, schedule, "plant", fault_log)
+        if branches:
+            sent.activities.remember()
         endpoint = faulty = FaultyEndpoint(endpoint, sent, contract, disturber, packed)
         send_early, packed = faulty.send_early, None
     # The score alone reads the truth.
@@ -401,9 +436,6 @@ def make_plant_node(
         silence_ns=silence_ns,
         patience_s=run.patience_s,
     )
-    ident = make_ident(
-        Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
-    )
-    handshake = Handshake(administrator, ident, contract, appear_s)
+    handshake = Handshake(administrator, _make_ident(scenario, run), contract, appear_s)
     faults = PlantFaults(sent, inside, fault_log)
     return PlantNode(plant, faults, system, schedule, administrator, pacer, supervisor, handshake)

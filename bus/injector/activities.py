@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from railhil.bus.codes import FaultOrder
+from railhil.common.errors import InputError, Words
 from railhil.common.user_files import whole_file
 from railhil.faults.activity import Activity
 from railhil.faults.language import fault_text
@@ -71,6 +72,11 @@ class InjectionLog:
             path.write_text(self.text(activities), encoding="utf-8")
 
 
+def _has_begun(one: Activity) -> InputError:
+    found = Words(f"{fault_text(one.fault, judging=False)}, which begins at {(one.begun_ns or 0) / 1e9:g} s")
+    return InputError("branch", f"fault {one.number}", found, "a fault that begins at the instant of the branch or later")
+
+
 class Activities:
     """Faults of one node.
 
@@ -85,10 +91,17 @@ class Activities:
         self._orders: list[tuple[int, int]] = []
         # Values of the fault that is injected next.
         self._octets = bytearray()
+        # The last instant with position and speed; events and, if they are kept, such instants, in their order.
+        self._last: tuple[int, float, float] | None = None
+        self._past: list[tuple[int, float, float] | str] = []
+        self._remembers = False
 
     def look(self, now_ns: int, position_m: float, speed_mps: float) -> None:
         """Begin and end faults at an instant, by the truth."""
         self.now_ns = now_ns
+        self._last = now_ns, position_m, speed_mps
+        if self._remembers:
+            self._past.append(self._last)
         for number, order in self._orders:
             self.order_now(number, order)
         self._orders = []
@@ -99,6 +112,7 @@ class Activities:
     def happened(self, events: Iterable[str]) -> None:
         """Events of the run at the present instant."""
         for event in events:
+            self._past.append(event)
             for one in self.all:
                 one.happened(event, self.now_ns)
 
@@ -120,6 +134,49 @@ class Activities:
         for one in self.all:
             if one.number == number and not (inject and octets and not one.give(octets)):
                 one.order(inject, self.now_ns)
+
+    def remember(self) -> None:
+        """Keep the instants of the run from now on, for :meth:`adopt`. A run has not advanced yet."""
+        self._remembers = True
+        if self._last is not None:
+            self._past.append(self._last)
+
+    def adopt(self, faults: Iterable[tuple[int, Fault]]) -> None:
+        """Have other faults from the next instant on, as if they had been there from the start.
+
+        A fault that keeps its number and its text keeps its state. No other fault may have begun, old or new.
+
+        :raises InputError: one has begun.
+        """
+        assert self._remembers, "this node does not remember its instants"
+        before = {one.number: one for one in self.all}
+        found = []
+        for number, fault in faults:
+            known = before.get(number)
+            if known is not None and known.fault == fault:
+                found.append(before.pop(number))
+            else:
+                found.append(self._waiting(fault, number))
+        for one in before.values():
+            if one.begun_ns is not None:
+                raise _has_begun(one)
+        self.all[:] = found
+
+    def _waiting(self, fault: Fault, number: int) -> Activity:
+        """A new fault, after all that has happened.
+
+        :raises InputError: it would have begun.
+        """
+        made, now_ns = Activity(fault, number), 0
+        for item in self._past:
+            if isinstance(item, str):
+                made.happened(item, now_ns)
+            else:
+                now_ns = item[0]
+                made.look(*item)
+                if made.begun_ns is not None:
+                    raise _has_begun(made)
+        return made
 
     def note(self, activity: Activity, before: str, after: str) -> None:
         """Note that a fault has changed something at the present instant."""

@@ -8,6 +8,7 @@ controller therefore sends an empty frame on the telegram's last identifier, whi
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Protocol
 
 from railhil.bus.codes import Event
@@ -18,6 +19,7 @@ from railhil.bus.mvb import parse_master_frame
 from railhil.bus.own_frames import OwnFrames, no_answer
 from railhil.bus.reception import Document, Gap, summed
 from railhil.dbc import Contract, Port
+from railhil.faults.model import Injection
 
 
 class Served(Protocol):
@@ -67,10 +69,7 @@ class FaultyController:
         }
         #: True when a fault has killed it.
         self.is_gone = False
-        self._kills = faults.at("node", "kill")
-        self._stops = faults.at("node", "stop")
-        self._restarts = faults.at("node", "restart")
-        self._silences = faults.at("bus", "off", "down")
+        faults.attach(self._take)
         # Instant since when it hears nothing, and the frames that it will still be given.
         self._deaf_since_ns: int | None = None
         self._backlog: list[Frame] = []
@@ -79,6 +78,23 @@ class FaultyController:
         self._former: list[Document] = []
         self._gaps: list[Gap] = []
         self._ports = contract.ports
+
+    def _take(self) -> None:
+        """Take the node's faults that are not about a telegram."""
+        faults = self.faults
+        self._kills = faults.at("node", "kill")
+        self._stops = faults.at("node", "stop")
+        self._restarts = faults.at("node", "restart")
+        self._silences = faults.at("bus", "off", "down")
+
+    def adopt(self, make: Callable[[], Any], injection: Injection, folder: Path | None) -> None:
+        """Have other faults from the next instant on (:meth:`NodeFaults.adopt`).
+
+        :param make: makes the controller after a restart.
+        :raises InputError: a fault has begun that is not in both lists.
+        """
+        self._make = make
+        self.faults.adopt(injection, folder)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._node, name)

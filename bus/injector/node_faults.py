@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -70,22 +70,29 @@ class PortFaults:
         self._injection = injection
         self._contract = contract
 
-    def add(self, activity: Activity) -> None:
-        """Add a fault. Faults of signals come before faults of the telegram, faults of the bus come last."""
-        fault = activity.fault
-        self._watched.append(activity)
-        if fault.what == CLEAR:
-            return
-        random = self._injection.samples(activity.number)
-        level = fault.place.level
-        if level == "bus":
-            self._keeps.append((activity, Silence(activity, self._polled)))
-        elif fault.what in HOLDING and not fault.place.part:
-            self._keeps.append((activity, Holding(activity, random, self._polled)))
-            self._keeps.sort(key=lambda one: one[0].fault.place.level == "bus")
-        else:
-            self._changes.append((activity, self._change(activity)))
-            self._changes.sort(key=lambda one: (_LEVELS.index(one[0].fault.place.level), not one[0].fault.place.part))
+    def take(self, activities: Sequence[Activity], injection: Injection) -> None:
+        """Have these faults, in the order of their numbers; those that it has already keep their state.
+
+        Faults of signals come before faults of the telegram, faults of the bus come last.
+        """
+        self._injection = injection
+        self._watched = [*activities]
+        changes, keeps = dict(self._changes), dict(self._keeps)
+        self._changes, self._keeps = [], []
+        for one in activities:
+            if one.fault.what == CLEAR:
+                continue
+            if one.fault.place.level == "bus" or (one.fault.what in HOLDING and not one.fault.place.part):
+                self._keeps.append((one, keeps.get(one) or self._keep(one)))
+            else:
+                self._changes.append((one, changes.get(one) or self._change(one)))
+        self._keeps.sort(key=lambda one: one[0].fault.place.level == "bus")
+        self._changes.sort(key=lambda one: (_LEVELS.index(one[0].fault.place.level), not one[0].fault.place.part))
+
+    def _keep(self, activity: Activity) -> _Keeps:
+        if activity.fault.place.level == "bus":
+            return Silence(activity, self._polled)
+        return Holding(activity, self._injection.samples(activity.number), self._polled)
 
     def _change(self, activity: Activity) -> Change:
         fault, port = activity.fault, self.port
@@ -196,30 +203,57 @@ class NodeFaults:
         node: str,
         folder: Path | None = None,
     ) -> None:
-        own = [
-            (number, fault)
-            for number, fault in enumerate(injection.faults, start=1)
-            if node in nodes_of(fault, injection, contract)
-        ]
         self.node = node
         self._folder = folder
+        self._contract = contract
         #: Number of a fault -> its random numbers.
         self.samples = injection.samples
         self.follower = Follower(injection, contract, schedule, at_plant=node == "plant")
-        self.activities = Activities(own)
+        self.activities = Activities(self._own(injection))
         self.ports: dict[str, PortFaults] = {}
         self._by_id: dict[int, PortFaults] = {}
-        for activity in self.activities.all:
-            for port in ports_of(activity.fault, injection, contract):
-                if port.source == node:
-                    self._faults_of(port, injection, contract).add(activity)
+        self._takers: list[Callable[[], None]] = []
+        self._take_ports(injection)
 
-    def _faults_of(self, port: Port, injection: Injection, contract: Contract) -> PortFaults:
-        if port.name not in self.ports:
+    def _own(self, injection: Injection) -> list[tuple[int, Fault]]:
+        """The faults of this node, with their numbers."""
+        return [
+            (number, fault)
+            for number, fault in enumerate(injection.faults, start=1)
+            if self.node in nodes_of(fault, injection, self._contract)
+        ]
+
+    def _take_ports(self, injection: Injection) -> None:
+        before, self.ports, self._by_id = self.ports, {}, {}
+        found: dict[str, list[Activity]] = {}
+        for activity in self.activities.all:
+            for port in ports_of(activity.fault, injection, self._contract):
+                if port.source == self.node:
+                    found.setdefault(port.name, []).append(activity)
+        for name, activities in found.items():
+            port = self._contract.port(name)
             polled = port.mode == "poll"
-            self.ports[port.name] = made = PortFaults(port, polled, self.activities, injection, contract)
-            self._by_id |= dict.fromkeys((*port.can_ids, port.fd_id), made)
-        return self.ports[port.name]
+            known = before.get(name) or PortFaults(port, polled, self.activities, injection, self._contract)
+            known.take(activities, injection)
+            self.ports[name] = known
+            self._by_id |= dict.fromkeys((*port.can_ids, port.fd_id), known)
+
+    def attach(self, take: Callable[[], None]) -> None:
+        """Have a part of the node take its faults from the list, now and whenever the list changes."""
+        self._takers.append(take)
+        take()
+
+    def adopt(self, injection: Injection, folder: Path | None) -> None:
+        """Have other faults from the next instant on (:meth:`Activities.adopt`).
+
+        :param folder: the run folder of the run that has them.
+        :raises InputError: a fault has begun that is not in both lists.
+        """
+        self.activities.adopt(self._own(injection))
+        self.samples, self._folder = injection.samples, folder
+        self._take_ports(injection)
+        for take in self._takers:
+            take()
 
     def at(self, level: str, *words: str) -> list[Activity]:
         """The node's faults of a level with one of these words."""

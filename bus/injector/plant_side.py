@@ -13,6 +13,7 @@ from railhil.bus.link.base import Endpoint, PackedEnd
 from railhil.bus.packing import pack_frames
 from railhil.common.python_process import kill_this_process, stop_this_process
 from railhil.dbc import Contract
+from railhil.faults.activity import Activity
 
 
 class FaultyEndpoint:
@@ -38,10 +39,9 @@ class FaultyEndpoint:
     ) -> None:
         self._endpoint = endpoint
         self.faults = faults
-        self._kills = faults.at("node", "kill")
-        self._stops = faults.at("node", "stop")
-        self._pauses = faults.at("clock", "pause")
-        self._floods = [Flood(one, contract.bit_rate) for one in faults.at("bus", "load")]
+        self._bit_rate = contract.bit_rate
+        self._floods: dict[Activity, Flood] = {}
+        faults.attach(self._take)
         self._bus = None if disturber is None else BusFaults.of(faults, disturber, contract)
         #: Sends the frames that the faults leave early; the rest is sent with the next frames. None: it cannot.
         self.send_early = None if packed is None or disturber is not None else self._send_early
@@ -51,6 +51,14 @@ class FaultyEndpoint:
         self._kill = kill
         self._stop = stop
         self._sleep = sleep
+
+    def _take(self) -> None:
+        """Take the node's faults that are not about a telegram."""
+        faults, before = self.faults, self._floods
+        self._kills = faults.at("node", "kill")
+        self._stops = faults.at("node", "stop")
+        self._pauses = faults.at("clock", "pause")
+        self._floods = {one: before.get(one) or Flood(one, self._bit_rate) for one in faults.at("bus", "load")}
 
     @property
     def lossless(self) -> bool:
@@ -128,7 +136,7 @@ class FaultyEndpoint:
         if self._bus is not None:
             self._bus.instant()
         flooded: list[Frame] = []
-        for flood in self._floods:
+        for flood in self._floods.values():
             flooded += flood.frames(activities)
         return flooded
 

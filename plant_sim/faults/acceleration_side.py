@@ -27,6 +27,13 @@ class AccelerationSide(FaultySide):
         self.healthy_mps2 = 0.0
         self.instead_mps2: float | None = None
 
+    def take_at(self, injections: Injections, name: str, unit: int = 0) -> None:
+        """Have the faults of the actuator of this name.
+
+        :param unit: of the train, from 1; 0: it has one.
+        """
+        self.take(injections.at("actuator", name, unit=unit))
+
     def update(self, most_mps2: float) -> None:
         """Take the faults that have begun or ended.
 

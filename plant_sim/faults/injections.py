@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -36,12 +36,32 @@ class Injections:
 
     def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
         self._all = Activities(faults)
+        self._takers: list[Callable[[], None]] = []
         self.activities = self._all.all
         self.log = self._all.log
         self._seed = seed
         self._tick_ns = tick_ns
         self._active: list[bool] = []
         self._acting: dict[int, bool] = {}
+
+    def attach(self, take: Callable[[], None]) -> None:
+        """Have a part of the plant take its faults from the list, now and whenever the list changes."""
+        self._takers.append(take)
+        take()
+
+    def remember(self) -> None:
+        """Prepare for :meth:`adopt`, before the first tick."""
+        self._all.remember()
+
+    def adopt(self, faults: Sequence[tuple[int, Fault]]) -> None:
+        """Have other faults from the next tick on (:meth:`railhil.bus.injector.activities.Activities.adopt`).
+
+        :raises InputError: a fault has begun that is not in both lists.
+        """
+        self._all.adopt(faults)
+        self._active = [one.active for one in self.activities]
+        for take in self._takers:
+            take()
 
     def at(self, level: str, *names: str, unit: int = 0) -> list[Activity]:
         """The faults of a level, and of these places if any are named.
@@ -96,9 +116,12 @@ class SafetyLoop:
 
     def __init__(self, injections: Injections) -> None:
         self._injections = injections
-        self._faults = injections.at("train", SAFETY_LOOP)
         #: The loop is, or has been, open.
         self.opened = False
+        injections.attach(self._take)
+
+    def _take(self) -> None:
+        self._faults = self._injections.at("train", SAFETY_LOOP)
 
     def look(self) -> None:
         """Take the faults that have begun or ended."""

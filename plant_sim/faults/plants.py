@@ -34,6 +34,8 @@ class FaultyPlant(AnyPlant, Protocol):
 
     #: Its faults, and their changes.
     injections: Injections
+    #: Whether all its parts follow a change of the list of its faults (:meth:`Injections.adopt`); missing: no.
+    adopts: bool
 
 
 def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
@@ -41,7 +43,8 @@ def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
     return [(number, fault) for number, fault in enumerate(faults, 1) if fault.place.level in LEVELS]
 
 
-def _in_plant(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
+def faults_inside(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
+    """The faults of a run inside its plant, with their numbers, distributions drawn."""
     if not scenario.faults:
         return []
     from railhil.scenarios.fault_list import draw_faults
@@ -49,9 +52,12 @@ def _in_plant(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
     return in_plant(draw_faults(scenario.faults, seed))
 
 
-def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injections | None]:
+def make_plant(
+    scenario: AnyScenario, run: RunSpec, *, branches: bool = False
+) -> tuple[AnyPlant, Injections | None]:
     """The plant of a run, and its faults if it has any.
 
+    :param branches: the run may be given other faults: a plant that can take them is the one with faults.
     :raises InputError: the system says that its plant takes faults, and has no such part; the run has a number, and
         those of its system have none.
     """
@@ -60,7 +66,7 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
     given: tuple[Any, ...] = (scenario, run.seed, run.perturbed, run.wall_rate)
     if system.numbered:
         given = (*given, run.run_number)
-    found = _in_plant(scenario, run.seed)
+    found = faults_inside(scenario, run.seed)
     if run.plant_fmu is not None:
         if found:
             where = Words("faults in the plant")
@@ -71,9 +77,11 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
             allowed = f"a system with a part {FMU_PART}: what an FMU exchanges with the plant (docs/howto/fmi.md)"
             raise InputError("command line", OPTION, Words(f"system {system.name}"), allowed)
         return system.part(FMU_PART)(*given, run.plant_fmu), None
-    if not found:
+    if not found and not (branches and getattr(system.optional_part(PART), "adopts", False)):
         return system.part("plant")(*given), None
     faulty: FaultyPlant = system.part(PART)(*given, found)
+    if branches:
+        faulty.injections.remember()
     return faulty, faulty.injections
 
 

@@ -12,7 +12,7 @@ off          a report without a valid value; ``intermittent``: for a share of th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ import numpy as np
 from railhil.bus.layout import Telegram
 from railhil.faults.activity import Activity
 from railhil.faults.model import Fault
-from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading
+from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading, SensorFault
 from railhil.faults.words import ONLY
 from railhil.plant_sim.faults.injections import Injections
 
@@ -43,17 +43,22 @@ class FaultySensor:
 
     def __init__(self, injections: Injections, quantity: Quantity, tick_s: float, *names: str, unit: int = 0) -> None:
         self._injections = injections
-        kinds = {kind.word.name: kind for kind in SENSOR_KINDS}
-        self._faults = [
-            kinds[one.fault.what](one, quantity, injections.samples(one), tick_s)
-            for one in injections.at("sensor", *names, unit=unit)
-            if one.fault.what in kinds
-        ]
+        self._faults: list[SensorFault] = []
+        injections.attach(lambda: self._take(injections.at("sensor", *names, unit=unit), quantity, tick_s))
         #: The reading at the present tick.
         self.reading = Reading(0)
         #: Difference of its reading from the healthy one, in raw counts.
         self.error = 0
         self._changes: list[tuple[Activity, Reading, Reading]] = []
+
+    def _take(self, activities: Sequence[Activity], quantity: Quantity, tick_s: float) -> None:
+        kinds = {kind.word.name: kind for kind in SENSOR_KINDS}
+        before = {one.activity: one for one in self._faults}
+        self._faults = [
+            before.get(one) or kinds[one.fault.what](one, quantity, self._injections.samples(one), tick_s)
+            for one in activities
+            if one.fault.what in kinds
+        ]
 
     def __bool__(self) -> bool:
         """Whether it has any fault."""
@@ -120,7 +125,12 @@ class FaultyReader:
 
     def __init__(self, injections: Injections) -> None:
         self._injections = injections
-        self._faults = [(one, injections.samples(one)) for one in injections.at("sensor", "balise")]
+        self._faults: list[tuple[Activity, np.random.Generator]] = []
+        injections.attach(self._take)
+
+    def _take(self) -> None:
+        before, injections = dict(self._faults), self._injections
+        self._faults = [(one, before.get(one) or injections.samples(one)) for one in injections.at("sensor", "balise")]
 
     def reported(self, healthy: BaliseReport) -> list[BaliseReport]:
         """The reports for one passing: none, one or several."""

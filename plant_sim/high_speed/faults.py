@@ -14,8 +14,9 @@ lag by the factor, ``dead_time`` adds to the delay of this side. Faults of the s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from math import fsum
-from typing import Any
+from typing import Any, ClassVar
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.activity import Activity
@@ -100,6 +101,8 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
     :param faults: with their numbers in the run's list.
     """
 
+    adopts: ClassVar[bool] = True
+
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]) -> None:
         self.injections = injected = Injections(faults, seed, scenario.timing.base_tick_ns)
         super().__init__(scenario, seed, drawn, rate)
@@ -108,8 +111,9 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
         train = self.train
         units = []
         for number, (unit, command_mps2) in enumerate(zip(train.units, train.commands_mps2, strict=True), 1):
-            traction, brake = (injected.at("actuator", name, unit=number) for name in ("traction", "brake"))
-            sides = _Side(traction, 1), _Side(brake, -1)
+            sides = _Side((), 1), _Side((), -1)
+            for name, side in zip(("traction", "brake"), sides, strict=True):
+                injected.attach(partial(side.take_at, injected, name, number))
             units.append(FaultyUnit(unit.data, unit.motion, command_mps2, number, sides))
         train.units = list(units)
         self._units = units

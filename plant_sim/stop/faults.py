@@ -16,8 +16,9 @@ The speed sensor is sampled five times a tick, and a telegram in which one of th
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import fsum
-from typing import Any
+from typing import Any, ClassVar
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.faults.activity import Activity
@@ -110,6 +111,7 @@ class FaultyStopPlant(StopPlant):
     """
 
     train: FaultyStopTrain
+    adopts: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -131,8 +133,9 @@ class FaultyStopPlant(StopPlant):
 
     def made_train(self, train: TrainDraw, run: RunDraw, seed: int, run_number: int) -> StopTrain:
         injected = self.injections
-        traction, brake = (injected.at("actuator", name) for name in ("traction", "brake"))
-        sides = AccelerationSide(traction, 1), AccelerationSide(brake, -1)
+        sides = AccelerationSide((), 1), AccelerationSide((), -1)
+        for name, side in zip(("traction", "brake"), sides, strict=True):
+            injected.attach(partial(side.take_at, injected, name))
         return FaultyStopTrain(self._task, train, run, seed, run_number, FaultyReader(injected), sides)
 
     def _inject(self) -> None:

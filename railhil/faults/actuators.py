@@ -115,7 +115,8 @@ class ActuatorSlow(ActuatorFault):
 
 class ActuatorDeadTime(ActuatorFault):
     word = Word("dead_time", "actuator", "commands act later", RAILWAY,
-                (Parameter("delay_s", TIME, 0.2, "dead time", low=0.001, high=100.0),))  # fmt: skip
+                (Parameter("delay_s", TIME, 0.2, "dead time", low=0.001, high=100.0),),
+                looks_back=True)  # fmt: skip
     field = "delays_s"
 
     def changed(self, state: SideState) -> SideState:
@@ -138,9 +139,15 @@ class FaultySide:
     """
 
     def __init__(self, activities: Iterable[Activity]) -> None:
-        kinds = {kind.word.name: kind for kind in ACTUATOR_KINDS}
-        self.faults = [kinds[one.fault.what](one) for one in activities if one.fault.what in kinds]
+        self.faults: list[ActuatorFault] = []
         self.state = SideState()
+        self.take(activities)
+
+    def take(self, activities: Iterable[Activity]) -> None:
+        """Have these faults from now on; those that it has already keep their state."""
+        kinds = {kind.word.name: kind for kind in ACTUATOR_KINDS}
+        before = {one.activity: one for one in self.faults}
+        self.faults = [before.get(one) or kinds[one.fault.what](one) for one in activities if one.fault.what in kinds]
 
     def change(self, present: float) -> None:
         """Take the faults that have begun or ended.

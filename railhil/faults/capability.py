@@ -13,7 +13,7 @@ from railhil.dbc import Contract, Port, Signal
 from railhil.faults.language import fault_text
 from railhil.faults.model import Fault, Word
 from railhil.faults.truth import Truth
-from railhil.faults.words import CLEAR, WORDS, kind_of_part
+from railhil.faults.words import CLEAR, WORDS, kind_of_part, word_of
 
 #: Transports: name and description.
 TRANSPORTS = {
@@ -27,6 +27,13 @@ TRANSPORTS = {
 #: Transports without the hub's model of CAN controllers and lines; a board gets no reports of them.
 _NOT_THE_HUB = tuple(name for name in TRANSPORTS if name != "hub")
 PACES = ("lockstep", "realtime")
+
+
+def looks_back(fault: Fault) -> bool:
+    """Whether its effect depends on what passed its place before it began."""
+    place = fault.place
+    word = word_of(place.level, place.name, place.part, fault.what)
+    return fault.trigger.kind == "telegram" or (word is not None and word.looks_back)
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,6 +65,7 @@ class Word:
     ``part``: part of a telegram: ``whole``, ``counter``, ``checksum``, ``signal``; of the bus ``whole`` or ``line``.
     ``origin``: where the word comes from. ``after``: words allowed for its end, the usual one first. ``names``: places
     of its level that have it; empty: all. ``lasts``: whether it has a duration at all.
+    ``looks_back``: whether its effect depends on what passed its place before it began.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Word:
     after: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     lasts: bool = True
+    looks_back: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -128,7 +128,8 @@ class SensorSlow(SensorFault):
 
 class SensorDelayed(SensorFault):
     word = Word("delayed", "sensor", "the value of some time ago", PX4,
-                (Parameter("delay_s", TIME, 0.5, "delay", low=0.001, high=100.0),), names=_NUMBERS)  # fmt: skip
+                (Parameter("delay_s", TIME, 0.5, "delay", low=0.001, high=100.0),), names=_NUMBERS,
+                looks_back=True)  # fmt: skip
 
     def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
         super().__init__(activity, quantity, source, tick_s)

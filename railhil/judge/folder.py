@@ -188,6 +188,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
         # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
         "received": None if told is None else told.as_json(),
+        **({} if result.branched_from is None else {"branched_from": result.branched_from}),
         **({} if result.target is None else {"target": result.target.model_dump()}),
     }
 

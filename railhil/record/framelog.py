@@ -189,6 +189,18 @@ class FrameLog:
             self._failure = error
             raise
 
+    def move(self, folder: Path, before: bytes) -> None:
+        """Continue in another folder; the file written so far stays as it is.
+
+        :param before: the whole lines with which the new file begins.
+        :raises OSError: one of the files cannot be written.
+        """
+        self.flush()
+        self._stream.close()
+        self.path = folder / LOG_NAME
+        self.path.write_bytes(before)
+        self._stream = self.path.open("a", encoding="ascii", newline="\n", buffering=1 << 16)
+
     def flush(self) -> None:
         """Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
 

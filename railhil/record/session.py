@@ -258,6 +258,7 @@ def make_session(
     late: LateLines | None = None,
     contract: Contract | None = None,
     keep: Callable[[int, Frame], object] | None = None,
+    branches: bool = False,
 ) -> Session:
     """The recorder of a run.
 
@@ -268,6 +269,7 @@ def make_session(
     :param contract: the contract of an earlier record that is recorded again; None: the contract of the scenario's
         system.
     :param keep: called with the time and each frame that is recorded by itself; None: its line is written.
+    :param branches: the run may be given faults.
     """
     system = scenario.installed_system
     contract = contract or system.contract
@@ -276,7 +278,7 @@ def make_session(
     handshake = Handshake(make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract))
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
     # A fault may touch the clock port and TIME_SYNC, but not the truth.
-    truth = system.truth if scenario.faults else None
+    truth = system.truth if scenario.faults or branches else None
     base = TimeBase.of(contract, schedule, "" if truth is None else truth.port)
 
     def now_s() -> float:

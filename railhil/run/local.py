@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,13 @@ from railhil.bus.reception import received_by
 from railhil.bus.select import no_bus
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.controller import AnyController, make_controller_node, was_killed, write_fault_log
+from railhil.controller_node.controller import (
+    AnyController,
+    adopt_faults,
+    make_controller_node,
+    was_killed,
+    write_fault_log,
+)
 from railhil.controller_node.telemetry_file import telemetry_document, write_telemetry
 from railhil.judge.fault_report import check_faults, fault_outcomes
 from railhil.judge.jitter import lockstep_timing
@@ -42,6 +48,7 @@ class LocalRun(Run):
     :param wire: applied to each frame on its way to the controller (faults); None: no change.
     :param controller: computes the commands instead of the run's law.
     :param hear: called with each frame in bus order, and its simulation time in ns.
+    :param branches: the run may be given other faults (:meth:`adopt`).
     """
 
     def __init__(
@@ -52,20 +59,30 @@ class LocalRun(Run):
         wire: Callable[[Frame], list[Frame]] | None = None,
         controller: Any = None,
         hear: Callable[[Frame, int], object] | None = None,
+        branches: bool = False,
     ) -> None:
         super().__init__(plan, observer)
         scenario, spec, folder, fd = plan.scenario, plan.spec, plan.folder, plan.choice.fd
         late = self.log.late
         self.session = make_session(
-            scenario, late.write, spec, fd=fd, on_progress=self._poll, operator=plan.make_operator(), late=late
+            scenario,
+            late.write,
+            spec,
+            fd=fd,
+            on_progress=self._poll,
+            operator=plan.make_operator(),
+            late=late,
+            branches=branches,
         )
         self._flush_s = 0.0
         self._wire = wire
         self._hear = hear
         try:
-            self.controller: AnyController = make_controller_node(scenario, spec, controller, fd=fd, folder=folder)
+            self.controller: AnyController = make_controller_node(
+                scenario, spec, controller, fd=fd, folder=folder, branches=branches
+            )
             bus = LocalBus([self._controller_takes if wire else self.controller.handle, self._recorder_takes()])
-            self.plant = make_plant_node(scenario, spec, bus, fd=fd, fault_log=folder)
+            self.plant = make_plant_node(scenario, spec, bus, fd=fd, fault_log=folder, branches=branches)
         except BaseException:
             self.log.close()
             raise
@@ -112,6 +129,29 @@ class LocalRun(Run):
                 self.close()
                 raise
             return self.finish(line, code)
+
+    def let_end(self, ticks: Iterator[None]) -> tuple[str, int]:
+        """Let a run that has begun go on to its end; returns what :meth:`finish` is given.
+
+        :param ticks: of its plant.
+        """
+        try:
+            for _ in ticks:
+                pass
+            self.plant.ending()
+        except (BusError, PlantError, InputError) as error:
+            return self.incomplete(error)
+        return "", PASS
+
+    def adopt(self, plan: Plan) -> None:
+        """Be another run from the next tick on, which differs only in its faults; its log is moved by the caller.
+
+        :raises InputError: a fault has begun that is not in both runs.
+        """
+        scenario, spec, folder = plan.scenario, plan.spec, plan.folder
+        adopt_faults(self.controller, scenario, spec, folder, fd=plan.choice.fd)
+        self.plant.adopt(scenario, spec, folder)
+        self.scenario, self.spec, self.folder = scenario, spec, folder
 
     def play(self) -> Result:
         """Make the complete run, for a caller that wants its errors raised.

@@ -214,8 +214,11 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
 
     :param seed: of the run.
     """
-    if not scenario.faults:
-        return None
+    return make_injection(scenario, seed) if scenario.faults else None
+
+
+def make_injection(scenario: AnyScenario, seed: int) -> Injection:
+    """:func:`injection_of`, also for a run without faults, which may be given some."""
     faults = draw_faults(scenario.faults, seed)
     system = scenario.installed_system
 

@@ -40,7 +40,11 @@ class FaultyEquipment:
 
     def __init__(self, injections: Injections, own: Collection[str] = ()) -> None:
         self._injections = injections
-        self._faults = injections.at("train", *(name for name in (LINE_VOLTAGE, *INTERLOCKS) if name not in own))
+        self._names = tuple(name for name in (LINE_VOLTAGE, *INTERLOCKS) if name not in own)
+        injections.attach(self._take)
+
+    def _take(self) -> None:
+        self._faults = self._injections.at("train", *self._names)
 
     def change(self, status: TrainStatus) -> None:
         """Take the faults that have begun or ended."""

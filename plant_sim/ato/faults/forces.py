@@ -98,13 +98,19 @@ class FaultyForces:
         self.brake = Side(injections.at("actuator", "brake"), -1, step_s)
         self.axle = AxleSlip()
         self._injections = injections
-        self._adhesion = injections.at("train", "adhesion")
+        injections.attach(self._take)
         self._step_s = step_s
         #: Traction that no notch commands, and braking force that the watch demanded of a healthy brake.
         self.runaway_n = 0.0
         self.demanded_n = 0.0
         # Largest force that the rail carries.
         self._carried_n = inf
+
+    def _take(self) -> None:
+        injections = self._injections
+        self.traction.take(injections.at("actuator", "traction"))
+        self.brake.take(injections.at("actuator", "brake"))
+        self._adhesion = injections.at("train", "adhesion")
 
     def change(self, train: Train, motion: Motion, force_n: float) -> Motion:
         """Take the faults that have begun or ended, for the motion from here on.

@@ -46,6 +46,7 @@ class FaultyTrain(TrainOnBus):
     """
 
     OWN_PLACES: ClassVar[tuple[str, ...]] = ()
+    adopts: ClassVar[bool] = True
 
     def __init__(
         self, scenario: Scenario, seed: int, drawn: bool, rate: float, faults: Sequence[tuple[int, Fault]]
@@ -59,8 +60,7 @@ class FaultyTrain(TrainOnBus):
         self._speed_sensor = FaultySensor(faulty, quantity_of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
         self._position_sensor = FaultySensor(faulty, quantity_of(TrnPos, "odometer_mm", 1e3), tick_s, "position")
         self._forces = FaultyForces(faulty, tick_s)
-        self._models = faulty.at("train", "model")
-        self._mismatches = [one for one in faulty.at("train") if (one.fault.place.name, one.fault.what) in MISMATCHES]
+        faulty.attach(self._take)
         self._extra_n = 0.0
         self._shifts_m: dict[int, float] = {}
         self._mode: int = CtlMode.INITIALISING
@@ -74,8 +74,7 @@ class FaultyTrain(TrainOnBus):
         self._read()
         self._motions = MotionEvents()
         for telegram, sensor in ((TrnSpeed, self._speed_sensor), (TrnPos, self._position_sensor)):
-            if sensor:
-                self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
+            self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
         if SpeedSdt.PORT in self.makers:
             self.makers[SpeedSdt.PORT] = self._safe_reading(self.makers[SpeedSdt.PORT])
 
@@ -84,6 +83,11 @@ class FaultyTrain(TrainOnBus):
         # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
         self._healthy = perturb(scenario, seed) if drawn else scenario
         super().__init__(self._applied_mismatch.applied(self._healthy), seed, False, rate)
+
+    def _take(self) -> None:
+        faulty = self.injections
+        self._models = faulty.at("train", "model")
+        self._mismatches = [one for one in faulty.at("train") if (one.fault.place.name, one.fault.what) in MISMATCHES]
 
     # -- when faults begin and end ------------------------------------------------------------------------------------
 

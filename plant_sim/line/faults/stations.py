@@ -253,13 +253,17 @@ class Stations:
     """The faults of this module in a run, in the order of their numbers."""
 
     def __init__(self, train: FaultyLineTrain, injections: Injections) -> None:
-        found: list[StationFault] = [
-            KINDS[one.fault.what](one, train, injections) for one in injections.at("train", *PLACES)
-        ]
-        found += [NotLocked(one, train, injections) for one in injections.at("train", "doors")]
-        found += [LoopFault(one, train, injections) for one in injections.at("sensor", "docking_loop")]
-        self.faults = sorted(found, key=lambda one: one.activity.number)
+        self.faults: list[StationFault] = []
         self._train = train
+        injections.attach(lambda: self._take(injections))
+
+    def _take(self, injections: Injections) -> None:
+        before, train = {one.activity: one for one in self.faults}, self._train
+        kinds = {one: KINDS[one.fault.what] for one in injections.at("train", *PLACES)}
+        kinds |= dict.fromkeys(injections.at("train", "doors"), NotLocked)
+        kinds |= dict.fromkeys(injections.at("sensor", "docking_loop"), LoopFault)
+        found = [before.get(one) or kind(one, train, injections) for one, kind in kinds.items()]
+        self.faults = sorted(found, key=lambda one: one.activity.number)
 
     def act(self) -> None:
         """Let the active faults act over the coming tick."""
