@@ -101,9 +101,7 @@ def make_controller_node(
     return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
 
 
-def _maker(
-    scenario: AnyScenario, run: RunSpec, controller: Any, fd: bool, bit_rate: int | None
-) -> Callable[[], Any]:
+def _maker(scenario: AnyScenario, run: RunSpec, controller: Any, fd: bool, bit_rate: int | None) -> Callable[[], Any]:
     """Makes the controller of a run, again after a restart."""
     part = scenario.installed_system.part("controller")
     made: list[AnyController] = []

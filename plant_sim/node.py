@@ -168,9 +168,7 @@ class PlantNode:
         :raises InputError: a fault has begun that is not in both runs.
         """
         self.faults.adopt(scenario, run.seed, folder)
-        self._handshake.own = replace(
-            self._handshake.own, scenario_hash=_make_ident(scenario, run).scenario_hash
-        )
+        self._handshake.own = replace(self._handshake.own, scenario_hash=_make_ident(scenario, run).scenario_hash)
 
     # -- before the run -------------------------------------------------------------------------------------------
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         open_run,
         run,
     )
+    from railhil.run.branch import branch
     from railhil.scenarios.load import load as load_scenario
     from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -46,6 +47,7 @@ _PLACES = {
     "RecordedEvent": ("railhil.library", "RecordedEvent"),
     "RunSpec": ("railhil.scenarios.run_spec", "RunSpec"),
     "Signals": ("railhil.library", "Signals"),
+    "branch": ("railhil.run.branch", "branch"),
     "compare": ("railhil.library", "compare"),
     "load_scenario": ("railhil.scenarios.load", "load"),
     "open_run": ("railhil.library", "open_run"),
@@ -59,6 +61,7 @@ __all__ = [
     "RecordedEvent",
     "RunSpec",
     "Signals",
+    "branch",
     "campaign",
     "compare",
     "load_scenario",

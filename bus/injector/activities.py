@@ -74,7 +74,9 @@ class InjectionLog:
 
 def _has_begun(one: Activity) -> InputError:
     found = Words(f"{fault_text(one.fault, judging=False)}, which begins at {(one.begun_ns or 0) / 1e9:g} s")
-    return InputError("branch", f"fault {one.number}", found, "a fault that begins at the instant of the branch or later")
+    return InputError(
+        "branch", f"fault {one.number}", found, "a fault that begins at the instant of the branch or later"
+    )
 
 
 class Activities:

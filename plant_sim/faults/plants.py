@@ -52,9 +52,7 @@ def faults_inside(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
     return in_plant(draw_faults(scenario.faults, seed))
 
 
-def make_plant(
-    scenario: AnyScenario, run: RunSpec, *, branches: bool = False
-) -> tuple[AnyPlant, Injections | None]:
+def make_plant(scenario: AnyScenario, run: RunSpec, *, branches: bool = False) -> tuple[AnyPlant, Injections | None]:
     """The plant of a run, and its faults if it has any.
 
     :param branches: the run may be given other faults: a plant that can take them is the one with faults.

@@ -54,7 +54,7 @@ from railhil.faults.words import CLEAR, ONLY, word_of, words_at
 FAULTS_MAX = 255
 _SEED_MAX = 0xFFFF_FFFF
 _TAIL = ("for", "until", "after", "seed", "unit", "units", "combine", "id", "expect")
-_FIRST_OF_TAIL = re.compile(rf"\s(?:{'|'.join(_TAIL)})(?=\s|$)")
+_FIRST_OF_TAIL = re.compile(rf"\s(?:x\d+|{'|'.join(_TAIL)})(?=\s|$)")
 _VERDICTS = ("PASS", "FAIL", "INVALID")
 _EVENT = re.compile(r"[a-z][a-z0-9_]*")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]*")
@@ -343,12 +343,17 @@ def _check_expect(expect: Expect, complain: Complain) -> None:
 
 
 def with_hand(text: str) -> str:
-    """The text with ``@manual`` at the place of the trigger if it has none: before ``for``, ``until``, ..."""
+    """The text with ``@manual`` if it has no trigger."""
+    return with_condition(text, "manual")
+
+
+def with_condition(text: str, condition: str) -> str:
+    """The text with ``@condition`` at the place of the trigger if it has none: before ``for``, ``until``, ..."""
     if "@" in text or not text.strip():
         return text
     found = _FIRST_OF_TAIL.search(text)
     at = found.start() if found else len(text)
-    return f"{text[:at]} @manual{text[at:]}"
+    return f"{text[:at]} @{condition}{text[at:]}"
 
 
 def sameness(fault: Fault) -> tuple[object, ...]:

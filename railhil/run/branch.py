@@ -7,7 +7,6 @@ own folder, whose bytes are those of the straight run with the same faults.
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,10 +19,18 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from railhil.bus.can_settings import LOCAL
-from railhil.common.errors import InputError
-from railhil.record.run_folder import discard_folder, remove_torn_run, run_folder
-from railhil.run.make import complete, record_run, write_results
+from railhil.common.errors import InputError, Sentence
+from railhil.common.library_call import PATH_OR_NONE, TEXTS, Kind, is_path, library_call
+from railhil.faults.language import with_condition
+from railhil.judge.record import Record
+from railhil.judge.rerun import certified_run, repeatable
+from railhil.record.run_folder import discard_folder, run_folder
+from railhil.record.statements import prefix_sha256
+from railhil.run.make import record_run, write_results
+from railhil.run.report import as_recorded
+from railhil.scenarios.given import NO_CODE, NamedCode
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.settings import normalise_fault
 
 if TYPE_CHECKING:
     from railhil.judge.result import Result
@@ -62,12 +69,67 @@ def branch_straight(
     :param why: reason why it is no fork, for the certificate.
     :raises InputError: the run is not allowed.
     """
-    spec = replace(spec, faults=tuple(faults), bus=LOCAL, can={}, out=folder)
+    trunk, spec = spec, replace(spec, faults=tuple(faults), bus=LOCAL, can={}, out=folder)
     result = record_run(spec, keep=False)
-    result.branched_from = {"sha256": None, "instant_s": time_s, "straight": why}
+    sha256 = prefix_sha256(result.log, trunk.load(), round(time_s * 1e9))
+    result.branched_from = {"sha256": sha256, "instant_s": time_s, "straight": why}
     if keep:
         write_results(result)
     return result
+
+
+def branched_run(folder: str | Path, code: NamedCode = NO_CODE) -> RunSpec:
+    """The description of a recorded run, for branches of it.
+
+    :param folder: run folder, or its certificate.
+    :param code: that the command line names, for a run with code of the user.
+    :raises InputError: it cannot be repeated with the same bytes, or its scenario has changed.
+    """
+    run = certified_run(str(folder), code)
+    repeatable(run)
+    spec = replace(run.spec, bus=LOCAL, can={}, out=None)
+    found, wanted = spec.load().sha256, run.certificate.get("scenario_sha256")
+    if found != wanted:
+        allowed = Sentence("has changed since the record: a branch would not be one of this run")
+        raise InputError(run.certificate_path, f"scenario {spec.scenario}", found, allowed)
+    return spec
+
+
+@library_call(
+    "railhil.branch",
+    {
+        "run": Kind("a run or a run folder", lambda value: is_path(value) or isinstance(value, Record)),
+        "at_s": Kind("a number of seconds", lambda value: isinstance(value, int | float)),
+        "faults": TEXTS,
+        "out": PATH_OR_NONE,
+    },
+    {"--fault": "faults"},
+)
+def branch(
+    run: str | Path | Record, at_s: float, faults: str | Sequence[str], *, out: str | Path | None = None
+) -> Record:
+    """A recorded run again, with further faults from an instant on.
+
+    :param run: with a folder.
+    :param at_s: the instant, in s of simulation time; a fault without a condition begins there.
+    :param faults: besides those of the run, one or several.
+    :param out: folder of the new run; None: ``runs/<utc>-<scenario>-<controller>``.
+    :raises InputError: the run cannot be repeated or ends before the instant, or a fault cannot be injected or begins
+        before it.
+    """
+    spec = branched_run(run.log.parent if isinstance(run, Record) else run)
+    texts = faults_from([faults] if isinstance(faults, str) else faults, at_s)
+    with Trunk(spec) as trunk:
+        trunk.advance(at_s)
+        return as_recorded(trunk.branch((*spec.faults, *texts), out))
+
+
+def faults_from(texts: Sequence[str], time_s: float) -> tuple[str, ...]:
+    """Faults, of which those without a condition begin at an instant.
+
+    :raises InputError: one is not in the language.
+    """
+    return tuple(normalise_fault(with_condition(text, f"{time_s:.10g}s")) for text in texts)
 
 
 class Trunk:

@@ -10,9 +10,7 @@ forks: locks of other threads would stay locked in the fork.
 from __future__ import annotations
 
 import gc
-import hashlib
 import os
-import re
 import signal
 import sys
 import tempfile
@@ -25,9 +23,6 @@ from typing import NoReturn
 
 from railhil.bus.can_settings import LOCAL
 from railhil.bus.errors import BusError
-from railhil.bus.frame import Frame
-from railhil.bus.ident import CtlIdent, PltIdent, SupIdent
-from railhil.bus.injector.telegram_frames import data_of, is_whole, with_data, with_signal
 from railhil.common.errors import InputError, Words
 from railhil.common.python_process import end_with_parent
 from railhil.faults.capability import looks_back
@@ -36,6 +31,7 @@ from railhil.judge.result import Result
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.faults.plants import faults_inside
 from railhil.record.run_folder import write_inputs
+from railhil.record.statements import prefix_sha256, restate
 from railhil.run.local import LocalRun, local_plan
 from railhil.run.make import complete, placed, write_results
 from railhil.run.memory import with_memory
@@ -47,8 +43,6 @@ from railhil.scenarios.run_spec import RunSpec
 _NS_PER_S = 1_000_000_000
 #: One entry for each thread of this process; Linux only.
 _THREADS = Path("/proc/self/task")
-#: Telegrams in which the nodes state the run.
-_STATEMENTS = (PltIdent, CtlIdent, SupIdent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +132,8 @@ class Standing:
         if self.run.plant.faults.inside is None and faults_inside(scenario, seed):
             return f"the plant of system {scenario.system} takes its faults only at the start"
         for number, fault in enumerate(draw_faults(scenario.faults, seed)):
-            if looks_back(fault) and fault not in own[number : number + 1]:
+            is_never = fault.trigger.kind == "manual"
+            if looks_back(fault) and not is_never and fault not in own[number : number + 1]:
                 return f"fault {number + 1} depends on what was before it began"
         return ""
 
@@ -159,7 +154,7 @@ class Standing:
         run.adopt(plan)
         run.log.move(asked.folder, restate(prefix, plan.scenario))
         result = run.finish(*run.let_end(self._ticks))
-        sha256 = hashlib.sha256(prefix).hexdigest()
+        sha256 = prefix_sha256(result.log, self.scenario, instant_ns)
         result.branched_from = {"sha256": sha256, "instant_s": instant_ns / 1e9}
         complete(result)
         if asked.keep:
@@ -177,34 +172,6 @@ def _plan(spec: RunSpec, scenario: AnyScenario, folder: Path) -> Plan:
     spec = with_memory(placed(spec, folder), folder)
     write_inputs(folder, scenario, spec.law.parameters)
     return local_plan(scenario, spec, folder)
-
-
-def restate(lines: bytes, scenario: AnyScenario) -> bytes:
-    """The log of a run up to a branch, as the nodes of the branch would have written it.
-
-    The nodes state the hash of their scenario, which covers its faults, in the handshake, and the plant repeats it.
-    Nothing else depends on faults that have not begun.
-
-    :param lines: classic frames, as every run in one process has them.
-    :param scenario: of the branch.
-    """
-    contract, scenario_hash = scenario.installed_system.contract, int(scenario.sha256[:8], 16)
-    kinds = {can_id: kind for kind in _STATEMENTS for can_id in contract.port(kind.PORT).can_ids}
-    ids = b"|".join(b"%03X" % can_id for can_id in kinds)
-    changed, met = bytearray(lines), []
-    for found in re.finditer(rb" (" + ids + rb")#([0-9A-F]*) ", lines):
-        met.append((found.start(2), Frame(int(found[1], 16), bytes.fromhex(found[2].decode()), 0)))
-        kind = kinds[met[-1][1].can_id]
-        port = contract.port(kind.PORT)
-        if not is_whole(port, frames := [frame for _, frame in met]):
-            continue
-        data = with_signal(data_of(port, frames), dict(kind.signals())["scenario_hash"], scenario_hash)
-        for (place, _), frame in zip(met, with_data(port, frames, data), strict=True):
-            octets = frame.data.hex().upper().encode()
-            changed[place : place + len(octets)] = octets
-        met = []
-    assert not met, "a statement of a run is cut off"
-    return bytes(changed)
 
 
 def serve(pipe: Connection, spec: RunSpec) -> None:

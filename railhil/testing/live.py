@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from railhil.bus.store import TrafficStore
 from railhil.common.errors import InputError, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.dbc import Contract, Signal
-from railhil.faults.language import fault_text, parse
+from railhil.faults.language import fault_text, parse, with_condition
 from railhil.judge.fault_report import check_faults
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.run_folder import write_inputs
@@ -119,17 +118,6 @@ def _unknown(what: str, name: str, allowed: list[str]) -> str:
 
 #: A truth of the run to wait for: a value to be reached from either side, or a function of it.
 Truth = float | Callable[[float], object]
-#: Text that may follow the condition of a fault.
-_TAIL = re.compile(r"\s(x\d+|for|until|after|seed|units?|combine|id|expect)(?=\s|$)")
-
-
-def _triggered(fault: str, time_s: float) -> str:
-    """A fault with its condition; without one it begins at ``time_s``."""
-    if "@" in fault:
-        return fault
-    tail = _TAIL.search(fault)
-    place = len(fault) if tail is None else tail.start()
-    return f"{fault[:place]} @{time_s:.10g}s{fault[place:]}"
 
 
 class Live:
@@ -245,7 +233,7 @@ class Live:
         if self.ended:
             raise AssertionError(f"inject: the run has ended, at {self.time_s:.2f} s")
         now = self._plant.plant.tick
-        text = fault_text(parse(_triggered(fault, (now + 1) * self._tick_ns / 1e9), "inject"))
+        text = fault_text(parse(with_condition(fault, f"{(now + 1) * self._tick_ns / 1e9:.10g}s"), "inject"))
         spec = replace(self.spec, faults=(*self.spec.faults, text))
         scenario = spec.load()
         self._run.log.close()
