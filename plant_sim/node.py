@@ -162,6 +162,10 @@ class PlantNode:
             found["frames"]["late"] = self.administrator.counters["late_frames"]
         return found
 
+    def resume(self) -> None:
+        """Go on after standing still on the wall clock, which is no silence of the supervisor."""
+        self._supervisor.heard(time.monotonic_ns())
+
     def adopt(self, scenario: AnyScenario, run: RunSpec, folder: Path | None) -> None:
         """Be the plant of another run from the next tick on, which differs from this one only in its faults.
 

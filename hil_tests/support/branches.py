@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,6 +14,7 @@ from railhil.faults.capability import why_not
 from railhil.faults.language import fault_text, parse
 from railhil.faults.random_faults import Sent, random_fault, words_drawn
 from railhil.run.make import record_run
+from railhil.run.trunk import Branch, Standing
 from railhil.scenarios.fault_list import fault_texts, list_disturbed_signals
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -24,10 +26,10 @@ SHORT = {"short.toml": RUN_72M_TOML}
 TRUNKS: Mapping[str, tuple[str, tuple[str, ...], str, float]] = {
     "ato": ("short.toml", (), "ipfc_plus", 24.0),
     "ato_safe": ("short.toml", ("safety.sdt=true",), "ipfc", 24.0),
-    "stop": ("yizhuang_stop_closed", (), "", 60.0),
+    "stop": ("yizhuang_stop_closed", (), "", 40.0),
     "hst1": ("hst", (), "", 110.0),
     "emu3": ("emu3", (), "", 110.0),
-    "line": (str(_DATA / "short_line.toml"), (), "", 200.0),
+    "line": (str(_DATA / "short_line.toml"), (), "", 125.0),
 }
 
 
@@ -65,3 +67,19 @@ def random_texts(scenario: AnyScenario, chance: random.Random, begin_s: float) -
 def straight_sha256(spec: RunSpec, faults: tuple[str, ...], folder: Path) -> str:
     """The hash of the run that has its faults from the start on."""
     return record_run(replace(spec, faults=faults, out=folder), keep=False).frames_sha256
+
+
+def fork_here(scenario: str, folder: str) -> None:
+    """In a process of its own: a trunk that forks, with warnings as errors."""
+    standing = Standing(RunSpec(scenario, bus="local"))
+    standing.advance(1.0)
+    why = standing.why_not(standing.scenario)
+    assert why == "", why
+    pid = os.fork()
+    if not pid:
+        Path(folder).mkdir()
+        standing.become(Branch(("TRN_SPEED loss @1s for 50ms",), Path(folder), True))
+        os._exit(0)
+    assert os.waitpid(pid, 0)[1] == 0
+    standing.close()
+    print(len(os.listdir("/proc/self/task")), "thread")

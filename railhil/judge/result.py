@@ -89,8 +89,9 @@ class Result:
     #: A run in this process: the counters of each node, and the content of ``telemetry.json``.
     counters: dict[str, dict[str, int]] = field(default_factory=dict)
     telemetry: dict[str, Any] = field(default_factory=dict, repr=False)
-    #: A branch of another run: SHA-256 of the log of that run up to the instant, and the instant in s; for one that was
-    #: made as a straight run no hash, and the reason. None: it is no branch.
+    #: A branch of another run: number of the first lines of that run's log that were written when it was forked, their
+    #: SHA-256, and the instant in s; for one that was made as a straight run only the instant, and the reason. None: it
+    #: is no branch.
     branched_from: dict[str, Any] | None = None
     #: A run without telegrams: event counters of the law's arithmetic over the whole run.
     arithmetic: Counters | None = None

@@ -213,6 +213,10 @@ class FrameLog:
             self._failure = error
             raise
 
+    def abandon(self) -> None:
+        """Close the file as it is."""
+        self._stream.close()
+
     def close(self) -> str:
         """Finish the file.
 

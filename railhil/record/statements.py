@@ -5,10 +5,7 @@ They do so in the handshake, and the plant repeats it. Nothing else in a log dep
 
 from __future__ import annotations
 
-import hashlib
 import re
-from bisect import bisect_left
-from pathlib import Path
 
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, PltIdent, SupIdent
@@ -42,19 +39,3 @@ def restate(lines: bytes, scenario: AnyScenario) -> bytes:
         met = []
     assert not met, "a statement of a run is cut off"
     return bytes(changed)
-
-
-def prefix_sha256(log: Path, scenario: AnyScenario, instant_ns: int) -> str:
-    """SHA-256 of the lines of a branch before its instant, as they stand in the log of the run that it is a branch of.
-
-    :param scenario: of that run.
-    :param instant_ns: simulation time of the branch.
-    """
-    lines = log.read_bytes().splitlines(keepends=True)
-    end = bisect_left(lines, instant_ns // 1000, key=_time_us)
-    return hashlib.sha256(restate(b"".join(lines[:end]), scenario)).hexdigest()
-
-
-def _time_us(line: bytes) -> int:
-    seconds, _, micros = line[1 : line.index(b")")].partition(b".")
-    return int(seconds) * 1_000_000 + int(micros)

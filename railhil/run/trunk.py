@@ -10,6 +10,7 @@ forks: locks of other threads would stay locked in the fork.
 from __future__ import annotations
 
 import gc
+import hashlib
 import os
 import signal
 import sys
@@ -31,7 +32,7 @@ from railhil.judge.result import Result
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.faults.plants import faults_inside
 from railhil.record.run_folder import write_inputs
-from railhil.record.statements import prefix_sha256, restate
+from railhil.record.statements import restate
 from railhil.run.local import LocalRun, local_plan
 from railhil.run.make import complete, placed, write_results
 from railhil.run.memory import with_memory
@@ -113,6 +114,7 @@ class Standing:
         if wanted_ns <= self.instant_ns - self._tick_ns:
             found = Words(f"{time_s:g} s")
             raise InputError("branch", "instant", found, f"a time after {(self.instant_ns - self._tick_ns) / 1e9:g} s")
+        self.run.plant.resume()
         try:
             while self.instant_ns < wanted_ns:
                 if self.run.plant.ended is not None or self.run.plant.controller_lost:
@@ -120,6 +122,11 @@ class Standing:
                 next(self._ticks)
         except (StopIteration, BusError, PlantError):
             raise _ends(time_s, self.run) from None
+
+    def close(self) -> None:
+        """Close its log."""
+        self._written.close()
+        self.run.log.abandon()
 
     def why_not(self, scenario: AnyScenario) -> str:
         """Reason why the run with these faults cannot be a fork; empty: it can.
@@ -153,9 +160,10 @@ class Standing:
         self._written.close()
         run.adopt(plan)
         run.log.move(asked.folder, restate(prefix, plan.scenario))
+        run.plant.resume()
         result = run.finish(*run.let_end(self._ticks))
-        sha256 = prefix_sha256(result.log, self.scenario, instant_ns)
-        result.branched_from = {"sha256": sha256, "instant_s": instant_ns / 1e9}
+        sha256 = hashlib.sha256(prefix).hexdigest()
+        result.branched_from = {"sha256": sha256, "lines": prefix.count(b"\n"), "instant_s": instant_ns / 1e9}
         complete(result)
         if asked.keep:
             write_results(result)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from railhil.bus.can_settings import LOCAL
 from railhil.bus.codes import Event
@@ -27,6 +27,9 @@ from railhil.run.report import as_recorded
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.result import Run
+
+if TYPE_CHECKING:
+    from railhil.run.branch import Trunk
 
 #: Wanted value of a signal: a number, a word of its value table, or a function of its value.
 Wanted = float | str | Callable[[float], object]
@@ -136,6 +139,9 @@ class Live:
         self.result: Run | None = None
         self._on_end = on_end
         self._begun = False
+        # The same run in a process of its own, for branches, and how many it has made.
+        self._trunk: Trunk | None = None
+        self._branches = 0
         self.spec = with_memory(placed(spec, folder), folder)
         self._prepare(self.spec, scenario)
 
@@ -175,6 +181,7 @@ class Live:
 
     def close(self) -> None:
         """End the run here, unless it has ended; a run that has not begun leaves no record."""
+        self._end_trunk()
         if not self._begun:
             self._run.log.close()
         elif self.result is None:
@@ -191,6 +198,11 @@ class Live:
             self._write()
         assert self.result is not None
         return self.result
+
+    def _end_trunk(self) -> None:
+        if self._trunk is not None:
+            self._trunk.close()
+            self._trunk = None
 
     def _write(self) -> None:
         result = self._run.finish(*self._incomplete)
@@ -237,11 +249,35 @@ class Live:
         spec = replace(self.spec, faults=(*self.spec.faults, text))
         scenario = spec.load()
         self._run.log.close()
+        self._end_trunk()
         self._prepare(spec, scenario)
         self._begin()
         while self._plant.plant.tick < now:
             if not self._advance():
                 raise AssertionError(f"inject: with {text!r} the run ends at {self.time_s:.2f} s")
+
+    def branch(self, *faults: str) -> Run:
+        """The run as it goes on to its end with further faults from the next tick on; this one stays as it is.
+
+        Its record equals that of a run that has all these faults from the start. It has a folder of its own beside this
+        run's.
+
+        :param faults: as for :meth:`inject`; none: as it goes on without more.
+        :raises InputError: one is not in the language, or cannot be injected here.
+        """
+        if self.ended:
+            raise AssertionError(f"branch: the run has ended, at {self.time_s:.2f} s")
+        from railhil.run.branch import Trunk, faults_from
+
+        next_s = (self._plant.plant.tick + 1) * self._tick_ns / 1e9
+        if self._trunk is None:
+            self._trunk = Trunk(self.spec)
+        if next_s > self._trunk.time_s:
+            self._trunk.advance(next_s)
+        self._branches += 1
+        folder = self.folder.with_name(f"{self.folder.name}-branch-{self._branches}")
+        result = self._trunk.branch((*self.spec.faults, *faults_from(faults, next_s)), folder)
+        return Run(as_recorded(result))
 
     # -- advancing ----------------------------------------------------------------------------------------------------
 
