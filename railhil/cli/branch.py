@@ -33,11 +33,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "instant", metavar="@TIME", type=_instant, nargs="?", help="the run is the same before it (@150s)"
     )
-    # A fault without a condition begins at the instant.
-    parser.add_argument(
-        "--fault", action="append", default=[], metavar="TEXT",
-        help="a further fault, from the instant on; with @WHEN for later; may be given again",
-    )  # fmt: skip
+    # Without a condition it is no fault of the language yet.
+    add_option(parser, "--fault", "; without @WHEN it begins at @TIME", type=str)
     parser.add_argument(
         "--no-return", action="store_true", help="the last instant at which ending all faults still saves the run"
     )
