@@ -29,7 +29,7 @@ WIRE: dict[str, Interval] = {
     "balise_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
     "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
 }
-_COMMANDS: Final = (CommandCode("notch", NOTCH_Q, "notch"),)
+COMMANDS: Final = (CommandCode("notch", NOTCH_Q, "notch"),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Controller(LawController):
     """Controller of one train; ``law`` None: the default law."""
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands: tuple[CommandCode, ...] = _COMMANDS
+    commands: tuple[CommandCode, ...] = COMMANDS
     wire: Mapping[str, Interval] = WIRE
 
     def __init__(
@@ -137,7 +137,7 @@ class BatchController(LawController):
     """
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands: tuple[CommandCode, ...] = _COMMANDS
+    commands: tuple[CommandCode, ...] = COMMANDS
     wire: Mapping[str, Interval] = WIRE
 
     def __init__(

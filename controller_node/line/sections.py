@@ -14,7 +14,7 @@ from railhil.common.mypyc import mypyc_attr
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
-from railhil.controller_node.ato.controller import WIRE, Controller, ControlOutput
+from railhil.controller_node.ato.controller import COMMANDS, WIRE, Controller, ControlOutput
 from railhil.controller_node.given.computing import SkeletonLaw
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws.base import BaliseReading
@@ -60,7 +60,7 @@ class SectionControllers:
     """
 
     loop: ClassVar[type[Any]] = ControlLoop
-    commands: ClassVar[tuple[CommandCode, ...]] = Controller.commands
+    commands: ClassVar[tuple[CommandCode, ...]] = COMMANDS
     wire: ClassVar[Mapping[str, Interval]] = WIRE
 
     def __init__(

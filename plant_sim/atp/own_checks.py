@@ -11,7 +11,7 @@ _WAY_M = 20.0
 _DIFFERENCE_MAX_M = 1.0
 
 
-class OwnChecks:
+class SelfTest:
     """Looks at the readings of every supervision. All limits are chosen."""
 
     __slots__ = ("_by_odometer_m", "_by_speed_m", "_last")

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.plant_sim.atp import readings as codes
-from railhil.plant_sim.atp.own_checks import OwnChecks
+from railhil.plant_sim.atp.own_checks import SelfTest
 from railhil.plant_sim.atp.position import PositionInterval
 from railhil.plant_sim.atp.readings import Authority, Demands, Readings, Track, TrainData
 from railhil.plant_sim.atp.supervision import ABOVE_EMERGENCY, ABOVE_SERVICE, ABOVE_WARNING, NOTHING, Supervision
@@ -55,7 +55,7 @@ class TrainProtection:
         self.demands = Demands()
         self.place = PositionInterval(settings.over_reading, settings.under_reading, settings.balise_accuracy_m)
         self._settings, self._train = settings, train
-        self._checks = OwnChecks()
+        self._checks = SelfTest()
         self._speeds_mps: list[float] = []
         self._next_s = 0.0
         self._authority: Authority | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato import dynamics, force_tables, forces
 from railhil.plant_sim.ato.command_watch import watch_brake_mps2
 from railhil.plant_sim.ato.dynamics import Window
@@ -22,6 +23,7 @@ from railhil.systems.line.scenario.perturb import DrawnLine
 from railhil.wire.ato import WatchLevel
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class BrakedTrain(TrainOnBus):
     """A train whose forces are also limited by its holding brake, train protection and emergency brake.
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from railhil.plant_sim.atp.readings import Authority
 from railhil.plant_sim.line.doors import PSD_DELAY_S
-from railhil.systems.ato.scenario.model import Balise
+from railhil.plant_sim.line.pass_mark import PassMark
 from railhil.systems.line.scenario.dwell import DrawnDwell
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal, StationStop
 from railhil.wire.line import SignalAspect
@@ -16,11 +15,6 @@ from railhil.wire.line import SignalAspect
 SHORT_STANDING_S: Final = 10.0
 #: End of the authority's safe distance behind a red signal.
 SIGNAL_OVERLAP_M: Final = 20.0
-
-
-@dataclass(frozen=True, slots=True)
-class PassMark(Balise):
-    """The place of a stop that the train passes; ``number`` is the stop's, from 0."""
 
 
 class Journey:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Final
+from typing import Final, Protocol
 
 from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.plant_sim.atp.protection import PERIOD_S, TrainProtection
@@ -23,6 +23,19 @@ from railhil.systems.line.scenario.protection import protection_balises
 FRESH_S: Final = 0.4
 #: Reactions, from none to the emergency brake.
 NO_REACTION, TRACTION_CUT, SERVICE_BRAKE, EMERGENCY_BRAKE = range(4)
+
+
+class OwnAxle(Protocol):
+    """The axle sensor of the train protection (:class:`AxleSensors`)."""
+
+    def speed_01mmps(self, speed_mps: float, tick: int) -> int:
+        """Reading of a true speed >= 0 at a tick, in 0.1 mm/s."""
+
+    def odometer_mm(self, position_m: float) -> int:
+        """Odometer at a true position, in mm, to its resolution."""
+
+    def odometer_between_mm(self, position_m: float) -> int:
+        """Odometer at a true position, in mm, interpolated between its counts as a balise reader does."""
 
 
 class Onboard:
@@ -43,7 +56,9 @@ class Onboard:
         self.has_authority = True
         self.period_ticks = max(1, round(PERIOD_S / tick_s))
         self.reaction = NO_REACTION
-        self.sensors = AxleSensors(replace(scenario.sensors, wheel_factor=wheel_factor), seed, streams.PROTECTION_NOISE)
+        self.sensors: OwnAxle = AxleSensors(
+            replace(scenario.sensors, wheel_factor=wheel_factor), seed, streams.PROTECTION_NOISE
+        )
         own = [_own_balises(scenario, leg) for leg in range(len(scenario.legs))]
         self._legs = tuple(_track(leg, ahead) for leg, ahead in zip(scenario.legs, own, strict=True))
         #: Balises that only the protection sees, ahead of the train.

@@ -8,11 +8,12 @@ from typing import Final
 
 from railhil.bus.acceptance import Acceptance
 from railhil.bus.layout import FLAG_FALSE, FLAG_TRUE, Telegram
+from railhil.common.mypyc import mypyc_attr
 from railhil.plant_sim.ato import forces
 from railhil.plant_sim.line.braked import BrakedTrain
 from railhil.plant_sim.line.docking import DockingLoop
 from railhil.plant_sim.line.doors import CLOSE, SIDES
-from railhil.plant_sim.line.journey import PassMark
+from railhil.plant_sim.line.pass_mark import PassMark
 from railhil.plant_sim.line.run_end import LineRunEnd
 from railhil.plant_sim.line.telegrams import LineTelegrams
 from railhil.systems.ato.scenario.model import Balise
@@ -24,6 +25,7 @@ from railhil.wire.line import AtoStat, DoorCmd
 _NO_ORDER: Final = (0, 0)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class LineTrain(BrakedTrain):
     """See :class:`railhil.plant_sim.any_plant.AnyPlant`.
 

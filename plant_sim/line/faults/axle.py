@@ -8,20 +8,20 @@ from __future__ import annotations
 from typing import Final
 
 from railhil.faults.sensors import Quantity
-from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultySensor
+from railhil.plant_sim.line.onboard import OwnAxle
 
 _MOST: Final = 2**31 - 1
 
 
 class FaultyAxle:
-    """The readings of :class:`AxleSensors` with faults.
+    """The readings of :class:`OwnAxle` with faults.
 
     :param period_s: time between two looks.
     """
 
-    def __init__(self, healthy: AxleSensors, injections: Injections, period_s: float) -> None:
+    def __init__(self, healthy: OwnAxle, injections: Injections, period_s: float) -> None:
         self._healthy = healthy
         self._speed = FaultySensor(injections, Quantity(1e4, 0, _MOST), period_s, "atp_speed")
         self._odometer = FaultySensor(injections, Quantity(1e3, -_MOST, _MOST), period_s, "atp_odometer")

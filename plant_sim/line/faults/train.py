@@ -20,8 +20,8 @@ from railhil.plant_sim.line.braked import BrakedTrain, with_brake
 from railhil.plant_sim.line.brakes import EmergencyForce
 from railhil.plant_sim.line.faults.axle import FaultyAxle
 from railhil.plant_sim.line.faults.stations import Stations
-from railhil.plant_sim.line.journey import PassMark
 from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE
+from railhil.plant_sim.line.pass_mark import PassMark
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.ato.scenario.model import Balise
 from railhil.systems.line.scenario.model import LineScenario
@@ -39,7 +39,7 @@ class FaultyLineTrain(FaultyTrain, LineTrain):
         super().__init__(scenario, seed, drawn, rate, faults)
         if self.onboard is not None:
             sensors, period_s = self.onboard.sensors, self.onboard.period_ticks * self._step_s
-            self.onboard.sensors = FaultyAxle(sensors, self.injections, period_s)  # type: ignore[assignment]
+            self.onboard.sensors = FaultyAxle(sensors, self.injections, period_s)
             self.onboard.read_own = self._read_own_balise
         self._stations = Stations(self, self.injections)
 

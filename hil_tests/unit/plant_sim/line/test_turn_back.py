@@ -8,6 +8,7 @@ import pytest
 
 from hil_tests.support.lines import Driver, out_and_back
 from railhil.bus.codes import Event
+from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.plant_sim.line.onboard import NO_REACTION
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.ato.scenario.model import Uniform
@@ -88,4 +89,6 @@ def test_the_mass_changes_at_stops_only() -> None:
     # Before the first departure the train has the load of the first section.
     assert by_section[-1] == by_section[0] != by_section[1]
     assert train.onboard is not None
-    assert train.onboard.sensors.sensors.wheel_factor == 0.99
+    axle = train.onboard.sensors
+    assert isinstance(axle, AxleSensors)
+    assert axle.sensors.wheel_factor == 0.99
