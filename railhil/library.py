@@ -41,6 +41,7 @@ from railhil.run.spec import (
     named_laws,
     settings_of,
     spec_of,
+    with_requirements,
 )
 from railhil.scenarios.given import GivenController, NamedCode
 from railhil.scenarios.load import stable_name
@@ -77,10 +78,6 @@ def _is_controller(value: Any) -> bool:
     return callable(value) or hasattr(value, "step")
 
 
-def _is_rate(value: Any) -> bool:
-    return isinstance(value, int | float) and RATE_MIN <= value <= RATE_MAX
-
-
 def _is_run(value: Any) -> bool:
     return is_path(value) or isinstance(value, Record)
 
@@ -96,7 +93,11 @@ def _is_run(value: Any) -> bool:
         ),
         "settings": _SETTINGS,
         "faults": TEXTS,
-        "rate": Kind(f"a number from {RATE_MIN:g} to {RATE_MAX:g}", _is_rate),
+        "requirements": TEXTS,
+        "rate": Kind(
+            f"a number from {RATE_MIN:g} to {RATE_MAX:g}",
+            lambda value: isinstance(value, int | float) and RATE_MIN <= value <= RATE_MAX,
+        ),
         "bus": Kind("a text", lambda value: isinstance(value, str)),
         "memory": PATH_OR_NONE,
         "no_controller": Kind("True or False", lambda value: isinstance(value, bool)),
@@ -120,6 +121,7 @@ def run(
     rate: float = RATE,
     bus: str = "local",
     memory: str | Path | None = None,
+    requirements: Texts = (),
     no_controller: bool = False,
     out: str | Path | None = None,
 ) -> Outcome:
@@ -143,6 +145,7 @@ def run(
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
     :param memory: folder with the law's memory from run to run: read at the beginning, updated after a valid run.
+    :param requirements: files of sentences that judge the run, or names of systems; ``score.requirements`` has them.
     :param no_controller: the controller is a board or another program on the bus.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
@@ -163,9 +166,9 @@ def run(
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:
-        allowed = Sentence("used only in a run over a bus")
-        raise InputError("railhil.run", "no_controller", Words("a run in this process"), allowed)
-    spec = replace(spec, can=can, start_up=StartUp(foreign=no_controller), out=out)
+        found, allowed = Words("a run in this process"), Sentence("used only in a run over a bus")
+        raise InputError("railhil.run", "no_controller", found, allowed)
+    spec = with_requirements(replace(spec, can=can, start_up=StartUp(foreign=no_controller), out=out), requirements)
     result = record_run(spec, scenario=loaded)
     if result.stopped_exit_code:
         raise KeyboardInterrupt(result.line)

@@ -11,11 +11,11 @@ from hil_tests.documents.pages import blocks_of
 from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
+from railhil.judge.requirements.names import Names
+from railhil.judge.requirements.parser import parse_sentence
+from railhil.judge.requirements.requirement import Requirement, check_requirements, requirements_in
+from railhil.judge.requirements.words import FUNCTIONS
 from railhil.record.trace import Trace
-from railhil.requirements.names import Names
-from railhil.requirements.parser import parse_sentence
-from railhil.requirements.requirement import Requirement, check_requirements, requirements_in
-from railhil.requirements.words import FUNCTIONS
 from railhil.scenarios.load import load
 
 PAGE = "docs/reference/requirements.md"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -100,6 +101,16 @@ def print_watch(console: Output, scenario: AnyScenario) -> None:
         console.say(sentence, style="bold yellow")
 
 
+def print_requirements(console: Output, score: Score) -> None:
+    """One line: what the run makes of its requirements; those that it violates are among the reasons of its verdict."""
+    found = score.requirements
+    if not found:
+        return
+    counts = Counter(one.verdict for one in found)
+    said = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+    console.say(f"{count_of(len(found), 'requirement')}: {said}")
+
+
 def print_verdict(console: Output, verdict: str, line: str) -> None:
     """One line: the verdict and its reason."""
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
@@ -179,6 +190,7 @@ def print_result(
         console.say(report)
     if run.caution:
         console.say(run.caution, style="bold yellow")
+    print_requirements(console, result.score)
     print_verdict(console, run.verdict, run.line)
     if advice := next_step(run, folder):
         console.say(advice)

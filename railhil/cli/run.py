@@ -25,6 +25,7 @@ from railhil.run.make import record_run
 from railhil.run.memory import memory_lines
 from railhil.run.report import as_recorded, report_line
 from railhil.run.run import Observer, Plan
+from railhil.run.spec import with_requirements
 from railhil.scenarios.given import NamedCode, refuse_beside
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -119,6 +120,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_arguments(parser)
     add_option(parser, "--controller", OR_YOURS)
     add_options(parser, "--parameters", "--memory", "--memory-from")
+    add_option(parser, "--requirements")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, overriding --spec"
@@ -203,7 +205,8 @@ def _read_spec(namespace: argparse.Namespace) -> RunSpec:
         fault_logs=namespace.fault_logs,
         waits=namespace.wait,
     )
-    return replace(spec, can=named_bus(namespace), start_up=how, out=namespace.out)
+    spec = replace(spec, can=named_bus(namespace), start_up=how, out=namespace.out)
+    return with_requirements(spec, namespace.requirements)
 
 
 def _with_determinism(spec: RunSpec, scenario: AnyScenario, stderr: bool) -> RunSpec:

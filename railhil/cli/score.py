@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 
-from railhil.cli.result_printer import print_scores, print_verdict, print_watch
+from railhil.cli.result_printer import print_requirements, print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.events.summary import explained, summary, why
-from railhil.judge.record import checked_record
+from railhil.judge.record import Record, checked_record
 from railhil.report.facts import memory_sentence
 from railhil.scenarios.options import add_options
+from railhil.scenarios.settings import REQUIREMENTS
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -23,14 +25,30 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil score runs/mine --json",
         ],
     )
-    add_options(parser, "log", "--scenario")
+    add_options(parser, "log", "--scenario", "--requirements")
     add_json_argument(parser)
     parser.set_defaults(work=work)
+
+
+def further_required(record: Record, words: Sequence[str]) -> Record:
+    """The record, judged by further requirements, too; those that it is judged by already count once.
+
+    :raises InputError: a file cannot be read, a sentence does not fit, or an id is given twice.
+    """
+    from railhil.judge.requirements.outcome import with_requirements
+    from railhil.judge.requirements.requirement import check_requirements, read_requirements, requirements_from_json
+
+    known = requirements_from_json(record.certificate.get(REQUIREMENTS) or (), record.folder)
+    further = [one for word in dict.fromkeys(words) for one in read_requirements(word) if one not in known]
+    check_requirements([*known, *further], record.scenario)
+    return record.copy_with(score=with_requirements(record, further))
 
 
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
+    if namespace.requirements:
+        record = further_required(record, namespace.requirements)
     found, events = record.score, record.events
     reason = why(record.scenario, events)
     verdict, line = found.verdict, "; ".join(found.failures)
@@ -50,5 +68,6 @@ def work(namespace: argparse.Namespace) -> int:
             console.say(note, style="bold yellow")
         if memory := memory_sentence(record.certificate):
             console.say(f"memory: {memory}")
+        print_requirements(console, found)
         print_verdict(console, verdict, explained(line, reason))
     return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

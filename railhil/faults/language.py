@@ -49,7 +49,6 @@ from railhil.faults.notation import (
 from railhil.faults.span import Complain, end_s, with_span
 from railhil.faults.words import CLEAR, ONLY, word_of, words_at
 
-#: Shown instead of a file for a fault of the command line.
 #: Faults of one run; SUP_CMD numbers them in 8 bits.
 FAULTS_MAX = 255
 _SEED_MAX = 0xFFFF_FFFF
@@ -143,18 +142,15 @@ def _only_word(reader: _Reader, place: Place) -> str:
 
 def _word(reader: _Reader, place: Place, what: str) -> Word:
     word = word_of(place.level, place.name, place.part, what)
-    if word is None:
-        known = [one.name for one in words_at(place.level, place.name, place.part)]
-        raise reader.refused(what, f"{place_text(place)} with one of {', '.join(known)}", did_you_mean(what, known))
-    return word
+    if word is not None:
+        return word
+    known = [one.name for one in words_at(place.level, place.name, place.part)]
+    raise reader.refused(what, f"{place_text(place)} with one of {', '.join(known)}", did_you_mean(what, known))
 
 
 def _expected(word: Word, values: dict[str, Value]) -> str:
-    left = [
-        f"{one.keyword} " * bool(one.keyword) + allowed_text(one.unit)
-        for one in word.parameters
-        if one.name not in values
-    ]
+    missing = [one for one in word.parameters if one.name not in values]
+    left = [f"{one.keyword} " * bool(one.keyword) + allowed_text(one.unit) for one in missing]
     return " or ".join([*left, "@WHEN"])
 
 

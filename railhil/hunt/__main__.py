@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
@@ -30,11 +29,6 @@ def _ids(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
-def _requirements(text: str) -> str:
-    """A file by its absolute path, so that a hunt can be resumed from any folder."""
-    return str(Path(text).resolve()) if Path(text).is_file() else text
-
-
 def arguments() -> argparse.ArgumentParser:
     """Command line of the hunt."""
     parser = OneLineParser(
@@ -49,8 +43,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     add_option(parser, "scenario", default=None)
     add_options(parser, "--set")
-    said = "requirements: a TOML file, or the name of a system that ships one; may be given again"
-    parser.add_argument("--requirements", metavar="FILE", action="append", type=_requirements, help=said)
+    add_option(parser, "--requirements", default=None)
     said = "search for these requirements only: ids, or their beginnings"
     parser.add_argument("--only", metavar="INV-4,...", type=_ids, help=said)
     add_option(parser, "--controller")

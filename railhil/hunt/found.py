@@ -25,7 +25,7 @@ from railhil.scenarios.settings import set_words
 
 if TYPE_CHECKING:
     from railhil.hunt.plan import Plan
-    from railhil.requirements.requirement import Requirement
+    from railhil.judge.requirements.requirement import Requirement
     from railhil.study.engines import Engine, Say
     from railhil.study.execute import Outcome
 

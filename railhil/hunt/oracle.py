@@ -18,9 +18,9 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR
 from railhil.judge.events.event import LEVEL, REFUSED, RecordedEvent
 from railhil.judge.reactions.evaluate import RULE, VERDICTS
+from railhil.judge.requirements.outcome import Outcome, judge_requirements
+from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.result import Result
-from railhil.requirements.outcome import Outcome, judge_requirements
-from railhil.requirements.requirement import Requirement
 from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.run_spec import RunSpec
 

@@ -14,7 +14,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.controller import make_controller_node
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
 from railhil.hunt.oracle import BENCH, RULE_ID
-from railhil.requirements.requirement import Requirement, check_requirements, read_requirements
+from railhil.judge.requirements.requirement import Requirement, check_requirements, read_requirements
 from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario

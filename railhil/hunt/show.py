@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from railhil.common.digits import count_of
 from railhil.hunt.found import FOUND
 from railhil.hunt.oracle import BENCH
-from railhil.requirements.sentence import SILENT
+from railhil.judge.requirements.sentence import SILENT
 
 if TYPE_CHECKING:
     from railhil.common.output import Output

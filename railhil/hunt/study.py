@@ -15,9 +15,9 @@ from railhil.hunt.found import shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
 from railhil.hunt.plan import Chunk, Plan, Request, make_plan
 from railhil.hunt.show import show
-from railhil.requirements.outcome import NOT_JUDGED
-from railhil.requirements.requirement import Requirement
-from railhil.requirements.sentence import SILENT
+from railhil.judge.requirements.outcome import NOT_JUDGED
+from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.sentence import SILENT
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.execute import Outcome

@@ -182,3 +182,22 @@ def _is_by_this_code(document: Mapping[str, Any], scenario: AnyScenario) -> bool
 def _differences(ident: Ident, own: Ident) -> list[str]:
     """Disagreements of a node and the certificate; the certificate does not hold the version of the handshake."""
     return ident.differences(replace(own, version=ident.version))
+
+
+def check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
+    """Check the handshake of a log against scenario and DBC.
+
+    :raises InputError: they do not belong together.
+    """
+    ident = trace.ident(PltIdent)
+    if ident is None:
+        raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
+    wanted_wire = int(trace.contract.sha256[:8], 16)
+    if ident.wire_hash != wanted_wire:
+        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC of the record)")
+    wanted = int(scenario.sha256[:8], 16)
+    if ident.scenario_hash != wanted:
+        raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
+    # The plant repeats its handshake during the run: a log that begins later has this one, and not the other two.
+    if trace.ident(SupIdent) is None and trace.count(trace.contract.clock_port.name):
+        raise InputError(log, "SUP_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

@@ -214,6 +214,7 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
         ]
         cases += judging.checks(scenario, found)
         cases += [(f"stop {stop.planned.name}", stop.missed) for stop in found.listed_stops]
+        cases += [(f"requirement {one.id}", one.line if one.violated else "") for one in found.requirements]
     suite = ET.Element(
         "testsuite",
         name=_xml(f"{scenario.name}.{result.reported.get('controller', spec.law.controller)}"),

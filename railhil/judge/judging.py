@@ -104,7 +104,7 @@ class Judging:
     ``advice``: (recorded run, report folder) -> advice after a FAIL. ``extras``: figures of every score that are 0 in a
     good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values. ``shown``:
     further columns for the panel only, as ``columns``. ``quantities``: further names of requirements, as ``reckoned``
-    (:mod:`railhil.requirements.names`).
+    (:mod:`railhil.judge.requirements.names`).
 
     For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
     a line with the place of the train; ``strip``: names of the columns that it draws over the line, of one unit; empty:

@@ -9,10 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.ident import PltIdent, SupIdent
 from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError, recorded_contract
-from railhil.judge.cross_check import check_folder, check_record
+from railhil.judge.cross_check import check_folder, check_handshake, check_record
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.events.summary import explained, fault_events, why
 from railhil.judge.events.telegrams import events_of
@@ -33,6 +32,7 @@ from railhil.scenarios.model import AnyScenario, PublishedScore
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import SCENARIO, any_judged_sha256, find_earlier_scenario, read_scenario
+from railhil.scenarios.settings import REQUIREMENTS
 from railhil.scenarios.system import System
 
 #: A curve needs two points.
@@ -121,10 +121,20 @@ class Record:
 
     @cached_property
     def score(self) -> Score:
-        """The score of the record, with the expectations of its faults."""
+        """The score of the record, with the expectations of its faults and the requirements of its certificate.
+
+        :raises InputError: a requirement of the certificate is none.
+        """
         found = self.judging.score(self.scenario, self.trace)
-        injected = self.certificate.get("injected", ())
-        return with_expectations(found, injected, self.events, self.scenario, self.trace) if injected else found
+        if injected := self.certificate.get("injected", ()):
+            found = with_expectations(found, injected, self.events, self.scenario, self.trace)
+        if tables := self.certificate.get(REQUIREMENTS):
+            # A run without requirements does not load their language.
+            from railhil.judge.requirements.outcome import with_requirements
+            from railhil.judge.requirements.requirement import requirements_from_json
+
+            found = with_requirements(self.copy_with(score=found), requirements_from_json(tables, self.folder))
+        return found
 
     @property
     def verdict(self) -> str:
@@ -327,7 +337,7 @@ def checked_record(text: str, name: str | None) -> Record:
     contract = recorded_contract(log.parent, document.get("dbc_sha256"), scenario.installed_system.contract)
     wanted, found = document.get("frames_sha256"), log_sha256(log)
     trace = trace_of_log(log, contract)
-    _check_handshake(log, scenario, trace)
+    check_handshake(log, scenario, trace)
     own = None if wanted == found else own_time(log, scenario, contract)
     notes: tuple[str, ...] = ()
     timed: Sequence[Timed] | None = None
@@ -382,19 +392,3 @@ def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], na
     if name is None and wanted is not None and wanted != found:
         allowed = f"{wanted} ({CERTIFICATE}): limits that nobody changed"
         raise InputError(log.parent / SCENARIO, "judged_sha256", found, allowed)
-
-
-def _check_handshake(log: Path, scenario: AnyScenario, trace: Trace) -> None:
-    """Check the handshake of a log against scenario and DBC."""
-    ident = trace.ident(PltIdent)
-    if ident is None:
-        raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
-    wanted_wire = int(trace.contract.sha256[:8], 16)
-    if ident.wire_hash != wanted_wire:
-        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC of the record)")
-    wanted = int(scenario.sha256[:8], 16)
-    if ident.scenario_hash != wanted:
-        raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")
-    # The plant repeats its handshake during the run: a log that begins later has this one, and not the other two.
-    if trace.ident(SupIdent) is None and trace.count(trace.contract.clock_port.name):
-        raise InputError(log, "SUP_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from railhil.common.digits import rounded
 from railhil.judge.criteria import Criterion
 from railhil.judge.stops import ScoredStop
+
+if TYPE_CHECKING:
+    from railhil.judge.requirements.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +22,7 @@ class Score:
     ``signed``: the scores that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
     stopping point. ``extras``: the system's own figures by the keys of :attr:`Judging.extras`. ``stops``: the stops
     that the scenario requires, in its order, with their results; empty for a record that does not show a complete run.
+    ``requirements``: what the record makes of the sentences that it is judged by.
     """
 
     verdict: str
@@ -27,6 +32,7 @@ class Score:
     ended: str
     extras: Mapping[str, float] = field(default_factory=dict)
     stops: tuple[ScoredStop, ...] = ()
+    requirements: tuple[Outcome, ...] = ()
 
     @property
     def listed_stops(self) -> tuple[ScoredStop, ...]:
@@ -61,4 +67,5 @@ class Score:
             "failures": list(self.failures),
             "ended": self.ended,
             "stops": [stop.as_json() for stop in self.stops],
+            **({"requirements": [one.as_json() for one in self.requirements]} if self.requirements else {}),
         }

@@ -70,6 +70,7 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
         remark=judging.remark([run.score for run in runs]),
         worst_stops=[worst_stop(run.score.listed_stops) for run in runs if run.score.listed_stops],
         stops=[(run.label, stop) for run in runs for stop in run.score.listed_stops],
+        requirements=[(run.label, one) for run in runs for one in run.score.requirements],
         asked=judging.asked(scenario),
         published=judging.published if scenario.published else "",
         shown=shown,

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
@@ -96,6 +96,10 @@ def record_run(spec: RunSpec, *observers: Observer, scenario: AnyScenario | None
     scenario = spec.load() if scenario is None else scenario
     if spec.law.given is not None:
         spec.law.given.prepare(scenario, spec)
+    if spec.requirements:
+        from railhil.judge.requirements.requirement import requirements_of
+
+        requirements_of(spec, scenario)
     observer = _Observers(observers)
     with ExitStack() as held:
         choice = held.enter_context(chosen_bus(spec, scenario))
@@ -168,6 +172,24 @@ def complete(result: Result) -> None:
     if result.trusted and expected is not result.score:
         code = INVALID if expected.verdict == "INVALID" else FAIL
         result.score, result.exit_code, result.line = expected, code, "; ".join(expected.failures)
+    if result.spec.requirements:
+        _judge_requirements(result, injected)
+
+
+def _judge_requirements(result: Result, injected: list[dict[str, Any]]) -> None:
+    """Complete a result with the outcomes of its requirements: a violated one is a FAIL."""
+    # A run without requirements does not load their language.
+    from railhil.judge.requirements.outcome import with_requirements
+    from railhil.judge.requirements.requirement import requirements_of
+
+    record = result.as_record()
+    notes = None if result.notes is None else [note.as_json() for note in result.notes]
+    record = record.copy_with(
+        certificate={**record.certificate, "injected": injected, "notes": notes}, score=result.score
+    )
+    result.score = with_requirements(record, requirements_of(result.spec, result.scenario))
+    if result.trusted and any(one.violated for one in result.score.requirements):
+        result.exit_code, result.line = FAIL, "; ".join(result.score.failures)
 
 
 def write_results(result: Result) -> None:

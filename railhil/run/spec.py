@@ -166,6 +166,20 @@ def texts_of(given: Texts) -> tuple[str, ...]:
     return (given,) if isinstance(given, str) else tuple(given)
 
 
+def with_requirements(spec: RunSpec, words: Texts) -> RunSpec:
+    """The run, judged by further requirements: those of files, or of systems by their names.
+
+    :raises InputError: a file cannot be read, or is wrong.
+    """
+    if not words:
+        return spec
+    # A run without requirements does not load their language.
+    from railhil.judge.requirements.requirement import named_requirements
+
+    further = [one for one in named_requirements(texts_of(words)) if one not in spec.requirements]
+    return replace(spec, requirements=(*spec.requirements, *further))
+
+
 def parameters_of(given: Parameters | None, law: str) -> ParameterSet | None:
     """Parameters; values given without a file count as read from the run folder, where they will be written."""
     if given is None or isinstance(given, ParameterSet):

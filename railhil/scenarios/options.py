@@ -65,6 +65,11 @@ def _lifeline(text: str) -> tuple[str, int]:
     return node, int(descriptor)
 
 
+def _requirements(text: str) -> str:
+    """A file by its absolute path, because it is read again in other folders; the name of a system as it is."""
+    return str(Path(text).resolve()) if Path(text).is_file() else text
+
+
 class _Laws:
     """Names of the laws of railhil's own system, found when a help is shown: a node does not look for them."""
 
@@ -104,6 +109,10 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     "--fault": {
         "type": normalise_fault, "action": "append", "default": [], "metavar": "TEXT",
         "help": 'inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
+    },
+    "--requirements": {
+        "type": _requirements, "action": "append", "default": [], "metavar": "FILE",
+        "help": "sentences that judge the run: a TOML file, or the name of a system that ships one; may be given again",
     },
     FMU_OPTION: {"metavar": "FILE", "help": "this FMU is the controller, native code (needs the extra [fmi])"},
     FMU_MAP_OPTION: {
@@ -219,7 +228,7 @@ SECTIONS: Final[Mapping[str, tuple[str, ...]]] = {
         "--bus", "--pace", "--rate", "--no-rt", "--appear-timeout", "--patience", "--attach", "--fault-logs",
         "--rerun-command", "--dbc",
     ),
-    "results": ("--out", "--no-report", "--json", "--sign", "--verbose", "--quiet"),
+    "results": ("--requirements", "--out", "--no-report", "--json", "--sign", "--verbose", "--quiet"),
     "panel and operator": ("--panel", "--wait", "--catalogue", "--foxglove", "--operator", ORDER),
 }  # fmt: skip
 _OF_THE_LAW = ("--arithmetic", "--indexing", "--task-period-ms")

@@ -39,7 +39,7 @@ from railhil.scenarios.memory_store import MemoryStore, read_memory
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import check_recorded_fmu
-from railhil.scenarios.settings import normalise_fault, normalise_setting
+from railhil.scenarios.settings import REQUIREMENTS, normalise_fault, normalise_setting
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import list_errors
 
@@ -180,7 +180,9 @@ def file_layer(path: Path, faults: Faults, code: NamedCode = NO_CODE) -> Layer:
     known = {key: value for key, value in values.items() if key in RunDocument.model_fields and value is not None}
     if not stored:
         known |= {key: path.parent / known[key] for key in _FILES if key in known}
-    elif known.get("pace", "lockstep") == "lockstep":
+    if stored and values.get(REQUIREMENTS):
+        known[REQUIREMENTS] = values[REQUIREMENTS]
+    if stored and known.get("pace", "lockstep") == "lockstep":
         # A certificate of version 0.1.0 has a rate in lockstep too.
         known.pop("rate", None)
     return Layer(path, known, folder=path.parent)

@@ -23,7 +23,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu
-from railhil.scenarios.settings import fault_words, set_words
+from railhil.scenarios.settings import REQUIREMENTS, fault_words, set_words
 
 # The modules that read and check files are imported where they are used: a node that gets its scenario from its parent
 # needs none of them.
@@ -169,6 +169,8 @@ class RunSpec:
         and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
         command line and certificate give only the memory with which the run began.
     :param orders: of an operator, to be given again (:mod:`railhil.scenarios.operator_commands`).
+    :param requirements: sentences by which the run is judged, as in a certificate
+        (:meth:`railhil.judge.requirements.requirement.Requirement.as_json`); they change nothing of the run.
     :param can: arguments of ``can.Bus`` that the user has named; without any, the bus is chosen.
     :param out: the run folder; None: ``runs/<utc>-<scenario>-<controller>``.
     """
@@ -187,6 +189,7 @@ class RunSpec:
     run_number: int = 1
     orders: tuple[str, ...] = ()
     plant_fmu: PlantFmu | None = None
+    requirements: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
     can: Mapping[str, Any] = field(default_factory=dict, compare=False)
     start_up: StartUp = field(default_factory=StartUp, compare=False)
     out: str | Path | None = field(default=None, compare=False)
@@ -230,6 +233,7 @@ class RunSpec:
             faults=tuple(found.faults),
             run_number=found.run_number,
             orders=tuple(found.orders),
+            requirements=tuple(document.get(REQUIREMENTS) or ()),
         )
         return spec.with_code(code)
 
@@ -311,6 +315,8 @@ class RunSpec:
         words += self.number_words
         words += [word for text in self.orders for word in (ORDER, text)]
         words += self.plant_fmu.words if self.plant_fmu is not None else []
+        files = dict.fromkeys(str(one["file"]) for one in self.requirements if one.get("file"))
+        words += [word for file in files for word in ("--requirements", file)]
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 
@@ -360,4 +366,5 @@ class RunSpec:
             "bus": self.bus,
             "orders": list(self.orders),
             **({} if self.plant_fmu is None else {FMU_KEY: self.plant_fmu.as_json()}),
+            **({REQUIREMENTS: [dict(one) for one in self.requirements]} if self.requirements else {}),
         }

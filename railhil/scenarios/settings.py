@@ -19,6 +19,8 @@ from railhil.scenarios.tomlfile import parse_toml
 
 #: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
+#: Key of the sentences by which a run is judged, in its certificate and its ``score.json``.
+REQUIREMENTS = "requirements"
 #: Keys that identify the scenario, and so cannot be set.
 _FIXED = ("schema_version", "name", "extends")
 #: Keys of references to files in third-party formats, by section.

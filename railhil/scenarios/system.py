@@ -111,7 +111,7 @@ class System:
     export: str | None = None
     #: Path of its fault catalogue; without it the catalogue of ``ato`` is used.
     catalogue: str | None = None
-    #: Path of the requirements that ship with it (:func:`railhil.requirements.requirement.read_requirements`).
+    #: Path of the requirements that ship with it (:func:`railhil.judge.requirements.requirement.read_requirements`).
     requirements: str | None = None
     #: Its plants with faults and with an FMU (:mod:`railhil.plant_sim.faults.plants`).
     faulty_plant: str | None = None

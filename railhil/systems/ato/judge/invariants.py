@@ -250,7 +250,7 @@ def _left_early(
         count = int(past[index] - first[entered])
         rows = slice(entered, index + 1)
         # At a standstill SERVICE BRAKE is left at once, and a level may be left through it between two reports.
-        if count >= GOOD_NEEDED[left] or standing.stood(entered, index):
+        if count >= GOOD_NEEDED[left] or standing.stood(int(entered), int(index)):
             continue
         said = f"{who} left {LEVELS[left]} at {time_s[index]:.2f} s"
         missing = unseen.count(port, time_s[entered - 1 if entered else 0], time_s[index])
@@ -259,7 +259,7 @@ def _left_early(
             yield f"{UNCLEAR}{said}, and no {standing.port} shows whether the train stood"
         elif count + missing >= GOOD_NEEDED[left]:
             yield f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, {missing} not in the record"
-        elif past[index] - first[begun] + missing >= GOOD_NEEDED[left] or standing.stood(begun, index):
+        elif past[index] - first[begun] + missing >= GOOD_NEEDED[left] or standing.stood(begun, int(index)):
             yield (
                 f"{UNCLEAR}{said} after {count_of(count, f'good {port} telegram')}, needed {GOOD_NEEDED[left]}: "
                 "in real time it may have taken those before later than the recorder"

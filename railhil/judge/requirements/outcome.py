@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhil.judge.record import Record
+from railhil.judge.requirements.bound import Bound
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.names import Names
+from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.robustness import LEAST
+from railhil.judge.requirements.sentence import KEPT, SILENT, VIOLATED, BoundSentence
+from railhil.judge.score import Score
 from railhil.record.trace import Trace
-from railhil.requirements.bound import Bound
-from railhil.requirements.grid import Grid
-from railhil.requirements.names import Names
-from railhil.requirements.requirement import Requirement
-from railhil.requirements.robustness import LEAST
-from railhil.requirements.sentence import KEPT, SILENT, VIOLATED, BoundSentence
+
+if TYPE_CHECKING:
+    from railhil.judge.record import Record
 
 NOT_JUDGED = "not judged"
 #: Unit of a margin over conditions of several dimensions, each divided by its scale.
@@ -72,6 +75,14 @@ class Outcome:
         """Whether the run has violated it."""
         return self.verdict == VIOLATED
 
+    @property
+    def line(self) -> str:
+        """What was found, in a line; for a violated one the reason of a FAIL."""
+        said = f"requirement {self.id}: {self.says}: {self.verdict}"
+        if self.margin is not None and self.instant_s is not None:
+            said += f", margin {self.margin:.4g} {self.unit}".rstrip() + f" at {self.instant_s:.2f} s"
+        return said
+
     def as_json(self) -> dict[str, Any]:
         """As in ``score.json``."""
         return {
@@ -111,6 +122,22 @@ def judge_requirements(record: Record, requirements: Iterable[Requirement]) -> t
         _not_judged(one) if has_faults and one.when == "none" else judge_one(one, one.bind(names), grid)
         for one in found
     )  # fmt: skip
+
+
+def with_requirements(record: Record, requirements: Sequence[Requirement]) -> Score:
+    """The score of a record with the outcomes of further requirements; a violated one is among the failures.
+
+    :raises InputError: a sentence does not fit the scenario.
+    """
+    found = record.score
+    outcomes = judge_requirements(record, requirements)
+    violated = tuple(one.line for one in outcomes if one.violated)
+    return replace(
+        found,
+        verdict="FAIL" if violated and found.verdict == "PASS" else found.verdict,
+        failures=(*found.failures, *violated),
+        requirements=(*found.requirements, *outcomes),
+    )
 
 
 def _not_judged(requirement: Requirement) -> Outcome:

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_tests.unit.requirements.records import names, scenario
+from hil_tests.unit.judge.requirements.records import names, scenario
 from railhil.common.errors import InputError
-from railhil.requirements.parser import parse_sentence
-from railhil.requirements.requirement import Requirement, check_requirements, read_requirements
-from railhil.requirements.sentence import BoundSentence
-from railhil.requirements.units import given_unit, unit_of
-from railhil.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
+from railhil.judge.requirements.parser import parse_sentence
+from railhil.judge.requirements.requirement import Requirement, check_requirements, read_requirements
+from railhil.judge.requirements.sentence import BoundSentence
+from railhil.judge.requirements.units import given_unit, unit_of
+from railhil.judge.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
 
 #: A sentence, the column of what is wrong with it (from 1), and words of the message.
 BAD = [

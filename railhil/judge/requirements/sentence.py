@@ -11,14 +11,14 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.binding import Binder
+from railhil.judge.requirements.bound import Bound
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.names import Names
+from railhil.judge.requirements.parser import parse_sentence
+from railhil.judge.requirements.robustness import unless, window_max, window_min
 from railhil.record.trace import FloatArray
-from railhil.requirements import syntax
-from railhil.requirements.binding import Binder
-from railhil.requirements.bound import Bound
-from railhil.requirements.grid import Grid
-from railhil.requirements.names import Names
-from railhil.requirements.parser import parse_sentence
-from railhil.requirements.robustness import unless, window_max, window_min
 
 #: First and last ticks of a part of the record that is judged.
 Spans: TypeAlias = list[tuple[int, int]]

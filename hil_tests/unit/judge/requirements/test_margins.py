@@ -9,8 +9,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from railhil.record.trace import FloatArray
-from railhil.requirements.robustness import (
+from railhil.judge.requirements.robustness import (
     LEAST,
     all_of,
     any_of,
@@ -21,6 +20,7 @@ from railhil.requirements.robustness import (
     window_max,
     window_min,
 )
+from railhil.record.trace import FloatArray
 
 #: Margins of a few values, so that equal ones and changes of sign are frequent; NaN: not known.
 VALUES = np.array([-3.0, -1.0, -LEAST, LEAST, 0.5, 2.0, math.nan])

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from hil_tests.unit.requirements.records import REFUSED, judged, names, record_of
+from hil_tests.unit.judge.requirements.records import REFUSED, judged, names, record_of
 from railhil.judge.record import Record
-from railhil.requirements import syntax
-from railhil.requirements.parser import parse_sentence
-from railhil.requirements.requirement import Requirement
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.parser import parse_sentence
+from railhil.judge.requirements.requirement import Requirement
 from railhil.systems.ato.judge.events import WATCHES
 from railhil.wire.ato import CtlMode
 

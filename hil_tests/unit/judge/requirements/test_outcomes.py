@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import TEST_DATA
-from hil_tests.unit.requirements.records import REFUSED, judged, record_of
+from hil_tests.unit.judge.requirements.records import REFUSED, judged, record_of
 from railhil.bench import local_run
 from railhil.bus.codes import Event
 from railhil.judge.events.event import LEVEL
 from railhil.judge.folder import write_folder
 from railhil.judge.record import Record, checked_record
+from railhil.judge.requirements.outcome import judge_requirements
+from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.score import Score
 from railhil.judge.stops import PlannedStop, ScoredStop, Standstill
 from railhil.record.run_folder import write_inputs
-from railhil.requirements.outcome import judge_requirements
-from railhil.requirements.requirement import Requirement
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.wire.ato import CtlMode

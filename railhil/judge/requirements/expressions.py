@@ -7,9 +7,9 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn, TypeAlias
 
-from railhil.requirements import syntax
-from railhil.requirements.syntax import Condition, Value
-from railhil.requirements.words import END, FUNCTIONS, KEYWORDS, NAME, NUMBER, SentenceError, Word, words_of
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.syntax import Condition, Value
+from railhil.judge.requirements.words import END, FUNCTIONS, KEYWORDS, NAME, NUMBER, SentenceError, Word, words_of
 
 Operand: TypeAlias = Value | Condition
 _COMPARISONS = ("<", "<=", ">", ">=", "=", "!=")
@@ -18,7 +18,7 @@ _DEPTH_MAX = 50
 
 
 class Expressions:
-    """Reads a text from its first word on; the grammar is that of :mod:`railhil.requirements.parser`."""
+    """Reads a text from its first word on; the grammar is that of :mod:`railhil.judge.requirements.parser`."""
 
     def __init__(self, text: str) -> None:
         self._text = text

@@ -9,9 +9,9 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.units import Unit
 from railhil.record.trace import FloatArray
-from railhil.requirements.grid import Grid
-from railhil.requirements.units import Unit
 
 Margins: TypeAlias = Callable[[Grid], FloatArray]
 

@@ -19,10 +19,10 @@
 from __future__ import annotations
 
 from railhil.common.errors import did_you_mean
-from railhil.requirements import syntax
-from railhil.requirements.expressions import Expressions, Operand
-from railhil.requirements.syntax import Condition
-from railhil.requirements.words import NUMBER, Word
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.expressions import Expressions, Operand
+from railhil.judge.requirements.syntax import Condition
+from railhil.judge.requirements.words import NUMBER, Word
 
 _BODIES = ("always", "never", "whenever", "at", "eventually")
 _SCOPES = ("from", "after", "between")

@@ -11,11 +11,12 @@ from pydantic import Field
 
 from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.judge.requirements.names import Names
+from railhil.judge.requirements.parser import parse_definition, parse_sentence
+from railhil.judge.requirements.sentence import BoundSentence
+from railhil.judge.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
 from railhil.record.trace import Trace
-from railhil.requirements.names import Names
-from railhil.requirements.parser import parse_definition, parse_sentence
-from railhil.requirements.sentence import BoundSentence
-from railhil.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
+from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.schema import Table
 from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
@@ -83,10 +84,10 @@ class Requirement:
         return _refused(self.file or "requirement", f"requirement {self.id}", error)
 
     def as_json(self) -> dict[str, Any]:
-        """As the tables of a file have it."""
+        """As the tables of a file have it, with the definitions of that file and its name."""
         return {
             "id": self.id, "says": self.says, "title": self.title, "when": {"faults": self.when}, "note": self.note,
-            "source": self.source, "define": dict(self.define),
+            "source": self.source, "define": dict(self.define), "file": self.file,
         }  # fmt: skip
 
 
@@ -121,6 +122,41 @@ def requirements_in(tables: Mapping[str, Any], file: str | Path) -> tuple[Requir
     return tuple(requirements)
 
 
+def requirements_from_json(tables: Iterable[Any], file: str | Path) -> tuple[Requirement, ...]:
+    """Requirements as :meth:`Requirement.as_json` gives them.
+
+    :param file: the document that has them, for errors.
+    :raises InputError: one is none.
+    """
+    found: list[Requirement] = []
+    for table in tables:
+        if not isinstance(table, Mapping):
+            raise InputError(file, "requirements", str(table), "tables of requirements")
+        own = {key: value for key, value in table.items() if key not in ("define", "file")}
+        place = str(table.get("file") or file)
+        found += requirements_in({"requirement": [own], "define": table.get("define") or {}}, place)
+    return tuple(found)
+
+
+def requirements_of(spec: RunSpec, scenario: Any) -> tuple[Requirement, ...]:
+    """The requirements by which a run is judged, checked against its scenario.
+
+    :raises InputError: one does not fit.
+    """
+    found = requirements_from_json(spec.requirements, "requirements")
+    check_requirements(found, scenario)
+    return found
+
+
+def named_requirements(words: Iterable[str | Path]) -> tuple[dict[str, Any], ...]:
+    """The requirements of files or systems (:func:`read_requirements`), for a :class:`RunSpec`; a file that is named
+    twice counts once.
+
+    :raises InputError: a file cannot be read, or is wrong.
+    """
+    return tuple(one.as_json() for word in dict.fromkeys(map(str, words)) for one in read_requirements(word))
+
+
 def _check_definition(name: str, text: str, file: str | Path) -> None:
     if name in KEYWORDS or name in FUNCTIONS:
         raise InputError(file, f"define.{name}", name, "a name that is no word of the language")
@@ -138,14 +174,15 @@ def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
         with file, requirement and column.
     """
     path = Path(word)
+    name: str | Path = path.resolve()
     if str(word) in system_names() and not path.is_file():
-        path = shipped_requirements(str(word))
+        path, name = shipped_requirements(str(word)), str(word)
     elif not path.exists():
         hint = did_you_mean(str(word), system_names())
         raise InputError(path, "", Words("does not exist"), "a file of requirements, or the name of a system", hint)
     with refuse_unreadable(path, "a TOML file of requirements"):
         tables = parse_toml(given_text(path))
-    found = requirements_in(tables, path)
+    found = requirements_in(tables, name)
     if not found:
         raise InputError(path, "requirement", Words("is missing"), "at least one [[requirement]]")
     return found

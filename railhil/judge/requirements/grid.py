@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +17,10 @@ from railhil.bus.codes import Event
 from railhil.bus.schedule import Schedule
 from railhil.judge.events.summary import fault_events
 from railhil.judge.events.telegrams import judged, milestones
-from railhil.judge.record import Record
 from railhil.record.trace import FloatArray
+
+if TYPE_CHECKING:
+    from railhil.judge.record import Record
 
 Ticks: TypeAlias = npt.NDArray[np.int64]
 #: Silence of a port, in its periods, after which its good telegrams are counted anew: one lost telegram is no end of a

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.names import Quantity, constant
+from railhil.judge.requirements.units import NUMBER, Unit, given_unit, product
 from railhil.record.trace import FloatArray
-from railhil.requirements import syntax
-from railhil.requirements.grid import Grid
-from railhil.requirements.names import Quantity, constant
-from railhil.requirements.units import NUMBER, Unit, given_unit, product
 
 if TYPE_CHECKING:
-    from railhil.requirements.binding import Binder
+    from railhil.judge.requirements.binding import Binder
 
 _DONE = {"+": "added to", "-": "taken from"}
 

@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.common.errors import did_you_mean
+from railhil.judge.requirements import syntax
+from railhil.judge.requirements.arithmetic import bind_arithmetic, bind_call, in_unit
+from railhil.judge.requirements.bound import Bound, Leaf, alone, pulses
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.names import Names, Quantity, constant
+from railhil.judge.requirements.parser import parse_definition
+from railhil.judge.requirements.robustness import LEAST, all_of, any_of, begins, ceases, compared
+from railhil.judge.requirements.units import NUMBER, STEPS, Unit, given_unit
+from railhil.judge.requirements.words import SentenceError
 from railhil.record.trace import FloatArray
-from railhil.requirements import syntax
-from railhil.requirements.arithmetic import bind_arithmetic, bind_call, in_unit
-from railhil.requirements.bound import Bound, Leaf, alone, pulses
-from railhil.requirements.grid import Grid
-from railhil.requirements.names import Names, Quantity, constant
-from railhil.requirements.parser import parse_definition
-from railhil.requirements.robustness import LEAST, all_of, any_of, begins, ceases, compared
-from railhil.requirements.units import NUMBER, STEPS, Unit, given_unit
-from railhil.requirements.words import SentenceError
 
 #: Two sides that differ by less than this share of the finest step on the wire are equal.
 _EQUAL_STEPS = 1e-3

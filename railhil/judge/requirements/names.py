@@ -16,10 +16,10 @@ from railhil.faults.model import WATCH_LEVELS
 from railhil.judge.criteria import STOP_ERROR_KEY
 from railhil.judge.declared import Watch, ranks, reports
 from railhil.judge.judging import Judging, judging_of
+from railhil.judge.requirements.grid import Grid, event_names
+from railhil.judge.requirements.units import NUMBER, STEPS, Unit, unit_of
 from railhil.record.notes import ReportedNote, note_values
 from railhil.record.trace import FloatArray, Trace
-from railhil.requirements.grid import Grid, event_names
-from railhil.requirements.units import NUMBER, STEPS, Unit, unit_of
 
 Values: TypeAlias = Callable[[Grid], FloatArray]
 #: Resolution of places (m) and instants (s) in RUN_EVENT.

@@ -12,12 +12,12 @@ from railhil.bus.layout import Telegram
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record
+from railhil.judge.requirements.grid import Grid
+from railhil.judge.requirements.names import Names
+from railhil.judge.requirements.outcome import Outcome, judge_one
+from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.score import Score
 from railhil.record.trace import Trace
-from railhil.requirements.grid import Grid
-from railhil.requirements.names import Names
-from railhil.requirements.outcome import Outcome, judge_one
-from railhil.requirements.requirement import Requirement
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import NotchCmd, TrnSpeed, TrnWatch
