@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
+#: Sentences that its runs have to keep.
+REQUIREMENTS = Path(__file__).with_name("requirements.toml")
 #: Places of faults inside its plant: sensors, traction and brake, mass and line, equipment.
 INJECTS = (
     *("sensor.speed", "sensor.position", "sensor.balise", "actuator.traction", "actuator.brake"),
@@ -47,6 +51,7 @@ ATO = System(
         levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
         beside=("TRN_WATCH",),
     ),
+    requirements="railhil.systems.ato:REQUIREMENTS",
     named={"notch": "NOTCH_CMD.NotchCmd"},
     injects=INJECTS,
 )

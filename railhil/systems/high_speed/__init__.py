@@ -9,6 +9,9 @@ from railhil.scenarios.system import System
 
 #: Its faults, with the required reactions.
 CATALOGUE = Path(__file__).with_name("catalogue.toml")
+#: Sentences that their runs have to keep.
+HST1_REQUIREMENTS = Path(__file__).with_name("requirements_hst1.toml")
+EMU3_REQUIREMENTS = Path(__file__).with_name("requirements_emu3.toml")
 #: Milestones of both systems.
 EVENTS = {"emergency_called": 32, "arrived": 33}
 
@@ -48,6 +51,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
         digest="railhil.batch.coupled:command_digest",
         audit_limits="railhil.systems.high_speed.judge:AUDIT_LIMITS",
         catalogue="railhil.systems.high_speed:CATALOGUE",
+        requirements=f"railhil.systems.high_speed:{constant}_REQUIREMENTS",
         faulty_plant="railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
         fmu_plant="railhil.plant_sim.high_speed.fmu:FmuHighSpeedPlant",
         truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("MUTATION",)),

@@ -24,6 +24,8 @@ EVENTS = {
 
 #: Its faults, with the required reactions.
 CATALOGUE = Path(__file__).with_name("catalogue.toml")
+#: Sentences that its runs have to keep.
+REQUIREMENTS = Path(__file__).with_name("requirements.toml")
 #: Places of faults inside its plant, besides those of a train of ``ato``: doors, stops, track side, train protection.
 INJECTS = (
     *("train.door", "train.door_left", "train.door_right", "train.psd", "train.dwell", "train.signal"),
@@ -46,6 +48,7 @@ LINE = System(
     events=EVENTS,
     injects=(*ato.INJECTS, *INJECTS),
     catalogue="railhil.systems.line:CATALOGUE",
+    requirements="railhil.systems.line:REQUIREMENTS",
     faulty_plant="railhil.plant_sim.line.faults.train:FaultyLineTrain",
     given="railhil.controller_node.ato.given:GivenNotchLaw",
     statement="railhil.systems.line.scenario.statement:STATEMENT",

@@ -9,6 +9,8 @@ from railhil.scenarios.system import System
 
 #: Its faults, with the required reactions.
 CATALOGUE = Path(__file__).with_name("catalogue.toml")
+#: Sentences that its runs have to keep.
+REQUIREMENTS = Path(__file__).with_name("requirements.toml")
 #: Milestones of the system.
 EVENTS = {"slide_begun": 32}
 
@@ -49,6 +51,7 @@ STOP = System(
     kernel="railhil.systems.stop.kernel",
     digest="railhil.batch.coupled:command_digest",
     catalogue="railhil.systems.stop:CATALOGUE",
+    requirements="railhil.systems.stop:REQUIREMENTS",
     faulty_plant="railhil.plant_sim.stop.faults:FaultyStopPlant",
     fmu_plant="railhil.plant_sim.stop.fmu:FmuStopPlant",
     truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("TRUE_DATA",)),
