@@ -233,10 +233,10 @@ def _with_fault(plan: Plan, text: str) -> Plan:
     :raises InputError: it is none, or cannot be injected.
     """
     # Loading the language takes a tenth of the start of a command.
-    from railhil.faults.language import fault_text, parse, with_hand
+    from railhil.faults.language import fault_text, parse, with_condition
 
     spec = plan.spec
-    fault = parse(normalise_fault(with_hand(text)))
+    fault = parse(normalise_fault(with_condition(text, "manual")))
     # Faults of a catalogue permit others at their place; a typed one beside them must permit them, too.
     beside = any(other.combine and other.id and other.place == fault.place for other in map(parse, spec.faults))
     found = replace(spec, faults=(*spec.faults, fault_text(replace(fault, combine=fault.combine or beside))))

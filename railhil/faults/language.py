@@ -338,11 +338,6 @@ def _check_expect(expect: Expect, complain: Complain) -> None:
         raise complain(expect.detected_by, "a cause of the watches")
 
 
-def with_hand(text: str) -> str:
-    """The text with ``@manual`` if it has no trigger."""
-    return with_condition(text, "manual")
-
-
 def with_condition(text: str, condition: str) -> str:
     """The text with ``@condition`` at the place of the trigger if it has none: before ``for``, ``until``, ..."""
     if "@" in text or not text.strip():

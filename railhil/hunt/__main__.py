@@ -44,8 +44,8 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "scenario", default=None)
     add_options(parser, "--set")
     add_option(parser, "--requirements", default=None)
-    said = "search for these requirements only: ids, or their beginnings"
-    parser.add_argument("--only", metavar="INV-4,...", type=_ids, help=said)
+    note = " requirements the object of the search: ids, or their beginnings"
+    add_option(parser, "--only", note, metavar="INV-4,...", type=_ids)
     add_option(parser, "--controller")
     add_option(parser, "--arithmetic")
     add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")

@@ -78,9 +78,7 @@ def log_line(time_ns: int, frame: Frame) -> str:
 
 class LateLines:
     """Recorded frames that are not written yet, in their order. Many lines are formatted at once, which takes a tenth
-    of the time of single lines.
-
-    :param write: takes the text of whole lines.
+    of the time of single lines; ``write`` takes the text of whole lines.
     """
 
     def __init__(self, write: Callable[[str], object]) -> None:
@@ -99,10 +97,7 @@ class LateLines:
         self._waiting.append(text)
 
     def frame(self, time_ns: int, frame: Frame) -> None:
-        """Take one frame.
-
-        :param time_ns: simulation time.
-        """
+        """Take one frame; ``time_ns`` is simulation time."""
         can_id, data, flags = frame
         if flags or can_id > SFF_MASK or len(data) > _DATA_BYTES:
             self.write(log_line(time_ns, frame))
@@ -116,8 +111,7 @@ class LateLines:
             data = cast("list[bytes]", self._single[2::3])
             self._single = []
             frames = np.empty(len(ids), PACKED)
-            frames["can_id"] = ids
-            frames["length"] = list(map(len, data))
+            frames["can_id"], frames["length"] = ids, list(map(len, data))
             padded = b"".join([block.ljust(_DATA_BYTES, b"\0") for block in data])
             frames["data"] = np.frombuffer(padded, np.uint8).reshape(-1, _DATA_BYTES)
             bounds = [0, *(np.flatnonzero(times_ns[1:] != times_ns[:-1]) + 1).tolist(), len(ids)]
@@ -190,9 +184,8 @@ class FrameLog:
             raise
 
     def move(self, folder: Path, before: bytes) -> None:
-        """Continue in another folder; the file written so far stays as it is.
+        """Continue in another folder with a file that begins with the lines ``before``; the old file stays as it is.
 
-        :param before: the whole lines with which the new file begins.
         :raises OSError: one of the files cannot be written.
         """
         self.flush()

@@ -70,12 +70,12 @@ def prepared_for(
         (None: until it is cleared) and its new text; or why there is none, in one line.
     """
     # The language is loaded only when it is used.
-    from railhil.faults.language import fault_text, parse, sameness, with_hand
+    from railhil.faults.language import fault_text, parse, sameness, with_condition
     from railhil.faults.model import Draw
     from railhil.faults.operator_values import is_kind, octets_of
 
     try:
-        wanted = parse(with_hand(text), "page")
+        wanted = parse(with_condition(text, "manual"), "page")
     except InputError as error:
         return str(error)
     if wanted.trigger.kind != "manual" or wanted.until:

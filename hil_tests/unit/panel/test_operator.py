@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.faults.language import parse, with_hand
+from railhil.faults.language import parse, with_condition
 from railhil.judge.reactions.catalogue import faults_by_hand
 from railhil.panel.operator import list_fault_kinds
 from railhil.record.operator_commands import prepared_for
@@ -38,4 +38,4 @@ def test_the_whole_catalogue_can_be_offered_and_is_taken_as_it_stands() -> None:
         number, octets, _, made = found
         assert octets == b""
         assert made == faults[number - 1]
-        assert parse(with_hand(text)).what == parse(made).what
+        assert parse(with_condition(text, "manual")).what == parse(made).what
