@@ -1,4 +1,4 @@
-""""""
+"""The loop of the controller process: frames from the bus to the node, its answers to the bus."""
 
 from __future__ import annotations
 

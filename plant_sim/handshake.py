@@ -9,13 +9,23 @@ from dataclasses import replace
 from railhil.bus.administrator import Administrator
 from railhil.bus.codes import SupCommand
 from railhil.bus.errors import BusError, PeerSilent
-from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent
+from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.telegrams import SupCmd
 from railhil.common.digits import count_of
 from railhil.dbc import Contract, Port
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
 
 #: Polls for an answer that must come.
 _DEMANDS_MAX = 200
+
+
+def plant_ident(scenario: AnyScenario, run: RunSpec) -> Ident:
+    """The plant's statement of the run."""
+    contract = scenario.installed_system.contract
+    return make_ident(
+        Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
+    )
 
 
 class Refused(BusError):

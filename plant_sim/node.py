@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
@@ -15,7 +15,7 @@ from railhil.bus.codes import Event, SupCommand
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.hub.disturbances import Disturber
-from railhil.bus.ident import Ident, PltIdent, Role, make_ident
+from railhil.bus.ident import PltIdent
 from railhil.bus.layout import Telegram
 from railhil.bus.link.base import PackedEnd
 from railhil.bus.reception import Document, reception
@@ -27,8 +27,9 @@ from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import Milestones, TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.faults.plant_faults import PlantFaults
 from railhil.plant_sim.faults.plants import make_plant
-from railhil.plant_sim.handshake import Handshake, Refused
+from railhil.plant_sim.handshake import Handshake, Refused, plant_ident
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -36,52 +37,9 @@ from railhil.scenarios.system import System
 
 if TYPE_CHECKING:
     from railhil.bus.injector.node_faults import NodeFaults
-    from railhil.plant_sim.faults.injections import Injections
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS: Final = 3
-
-
-@dataclass(slots=True)
-class PlantFaults:
-    """Faults of a run at the plant.
-
-    ``sent``: faults of the frames that it sends; ``inside``: faults inside it; None: none. ``folder``: the run folder,
-    for the logs; None: none are written.
-    """
-
-    sent: NodeFaults | None
-    inside: Injections | None
-    folder: Path | None
-
-    def order(self, number: int, order: int) -> None:
-        """An order of the supervisor for a fault with this number."""
-        if self.inside is not None:
-            self.inside.order(number, order)
-
-    def adopt(self, scenario: AnyScenario, seed: int, folder: Path | None) -> None:
-        """Have the faults of another scenario from the next tick on.
-
-        :param folder: the run folder of the run that has them.
-        :raises InputError: a fault has begun that is not in both scenarios.
-        """
-        from railhil.plant_sim.faults.plants import faults_inside
-        from railhil.scenarios.fault_list import make_injection
-
-        assert self.sent is not None, "this run has no branches"
-        self.folder = folder
-        self.sent.adopt(make_injection(scenario, seed), folder)
-        if self.inside is not None:
-            self.inside.adopt(faults_inside(scenario, seed))
-
-    def write_logs(self) -> None:
-        """Write the logs of the faults into the run folder."""
-        if self.sent is not None:
-            self.sent.write()
-        if self.inside is not None and self.inside.activities and self.folder is not None:
-            from railhil.bus.injector.activities import INSIDE
-
-            self.inside.log.write(self.folder, INSIDE, self.inside.activities)
 
 
 class PlantNode:
@@ -172,7 +130,7 @@ class PlantNode:
         :raises InputError: a fault has begun that is not in both runs.
         """
         self.faults.adopt(scenario, run.seed, folder)
-        self._handshake.own = replace(self._handshake.own, scenario_hash=_make_ident(scenario, run).scenario_hash)
+        self._handshake.own = replace(self._handshake.own, scenario_hash=plant_ident(scenario, run).scenario_hash)
 
     # -- before the run -------------------------------------------------------------------------------------------
 
@@ -359,14 +317,6 @@ def _after(polled: Sequence[Port], number: int, schedule: Schedule) -> list[tupl
     return [(schedule.ticks(port.name), port) for port in after]
 
 
-def _make_ident(scenario: AnyScenario, run: RunSpec) -> Ident:
-    """The plant's statement of the run."""
-    contract = scenario.installed_system.contract
-    return make_ident(
-        Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
-    )
-
-
 def make_plant_node(
     scenario: AnyScenario,
     run: RunSpec,
@@ -438,6 +388,6 @@ def make_plant_node(
         silence_ns=silence_ns,
         patience_s=run.patience_s,
     )
-    handshake = Handshake(administrator, _make_ident(scenario, run), contract, appear_s)
+    handshake = Handshake(administrator, plant_ident(scenario, run), contract, appear_s)
     faults = PlantFaults(sent, inside, fault_log)
     return PlantNode(plant, faults, system, schedule, administrator, pacer, supervisor, handshake)
