@@ -11,9 +11,10 @@ from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.record import Record, checked_record
+from railhil.record.documents import CERTIFICATE
 from railhil.report.facts import memory_sentence
 from railhil.scenarios.options import add_options
-from railhil.scenarios.settings import REQUIREMENTS
+from railhil.scenarios.settings import required
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -36,10 +37,11 @@ def further_required(record: Record, words: Sequence[str]) -> Record:
     :raises InputError: a file cannot be read, a sentence does not fit, or an id is given twice.
     """
     from railhil.judge.requirements.outcome import with_requirements
-    from railhil.judge.requirements.requirement import check_requirements, read_requirements, requirements_from_json
+    from railhil.judge.requirements.requirement import check_requirements, named_requirements, requirements_from_json
 
-    known = requirements_from_json(record.certificate.get(REQUIREMENTS) or (), record.folder)
-    further = [one for word in dict.fromkeys(words) for one in read_requirements(word) if one not in known]
+    path = record.folder / CERTIFICATE
+    known = requirements_from_json(required(record.certificate, path), path)
+    further = named_requirements(words, known)
     check_requirements([*known, *further], record.scenario)
     return record.copy_with(score=with_requirements(record, further))
 

@@ -22,7 +22,9 @@ def place_of(name: str) -> Path:
 
     :raises FileNotFoundError: there is none.
     """
-    for folder in railhil.__path__:
+    own, *beside = railhil.__path__
+    # Beside the package, a checkout has folders of other names, which are no part of it.
+    for folder in (own, *(beside if Path(name).parts[0] in railhil.AT_TOP else ())):
         place = Path(folder, name)
         if place.exists():
             return place

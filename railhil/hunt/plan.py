@@ -14,7 +14,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.controller import make_controller_node
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
 from railhil.hunt.oracle import BENCH, RULE_ID
-from railhil.judge.requirements.requirement import Requirement, check_requirements, read_requirements
+from railhil.judge.requirements.requirement import Requirement, check_requirements, named_requirements
 from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -28,7 +28,7 @@ RUNS_MAX = 1_000_000
 #: Runs of a part: what a process does at a time, and what is lost when it is killed.
 PART_RUNS = 8
 #: Code, beyond the bench's own, on which the rows depend.
-_OWN_CODE = ("hunt", "requirements", "study/faultless.py")
+_OWN_CODE = ("hunt", "study/faultless.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +149,7 @@ def make_plan(request: Request) -> Plan:
     if request.controller:
         system.check_law(request.controller, "command line", "--controller")
     law = LawSpec(request.controller or system.law, request.arithmetic or system.arithmetic)
-    requirements = tuple(one for word in request.requirements for one in read_requirements(word))
+    requirements = named_requirements(request.requirements)
     check_requirements(requirements, scenario)
     for only in request.only:
         ids = [one.id for one in requirements]

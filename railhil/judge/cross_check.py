@@ -26,16 +26,20 @@ from railhil.scenarios.given import TARGET
 from railhil.scenarios.layers import faults_of_rows
 from railhil.scenarios.model import AnyScenario, list_injected_faults
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.settings import REQUIREMENTS, required
 from railhil.scenarios.system import DEFAULT, system_named
 
 JUNIT: Final = "junit.xml"
 #: Keys of the certificate that ``score.json`` has in its part ``run``.
 _OF_THE_RUN: Final = (
     "scenario", "settings", "faults", "controller", "arithmetic", "indexing", "task_period_ms", "seed", "perturbed",
-    "run_number", "pace", "rate", "orders", "transport", "frames", "seed_was_trained",
+    "run_number", "pace", "rate", "orders", "requirements", "transport", "frames", "seed_was_trained",
 )  # fmt: skip
 #: Keys that ``junit.xml`` has as properties.
 _OF_JUNIT: Final = ("scenario", "seed", "verdict", "frames_sha256", "arithmetic")
+#: Beginning of the names of cases of requirements there.
+_CASE = "requirement "
+_VIOLATED = "violated"
 #: The columns of the nodes' logs on a fault.
 _LOGGED: Final = ("number", "begun_s", "effect_s", "ended_s", "hits")
 
@@ -70,6 +74,11 @@ def _score(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str
     for key in _OF_THE_RUN:
         if key in run and key in document:
             yield SCORE, key, run[key], document[key]
+    outcomes = score.get(REQUIREMENTS, [])
+    sentences = [[one.get("id"), one.get("says")] for one in required(document, folder / CERTIFICATE)]
+    yield SCORE, REQUIREMENTS, [[one["id"], one["says"]] for one in outcomes], sentences
+    if document.get("verdict") == "PASS" and any(one["verdict"] == _VIOLATED for one in outcomes):
+        yield SCORE, "verdict", "FAIL", "PASS"
     if "faults" in score and "injected" in document:
         yield SCORE, "injected", score["faults"], document["injected"]
     for key in ("parameters", "memory"):
@@ -91,6 +100,7 @@ def _junit(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str
         raise InputError(path, "", Words("cannot be read"), expected, str(error)) from None
     properties = {entry.get("name"): entry.get("value") for entry in tree.iter("property")}
     _check_cases(path, tree.getroot(), properties.get("verdict"))
+    _check_requirements(path, tree.getroot(), read_score(folder) or {})
     for key in _OF_JUNIT:
         if key in properties and key in document:
             yield JUNIT, key, properties[key], str(document[key])
@@ -112,6 +122,22 @@ def _check_cases(path: Path, suite: ET.Element, verdict: str | None) -> None:
             raise InputError(path, key, said, f"{found}, the cases that have one")
         if found and verdict in (("PASS",) if key == "failures" else ("PASS", "FAIL")):
             raise InputError(path, key, found, f"0 with the verdict {verdict}")
+
+
+def _check_requirements(path: Path, suite: ET.Element, score: Mapping[str, Any]) -> None:
+    """Check the cases of requirements in ``junit.xml`` against the outcomes in ``score.json``; an INVALID run has none.
+
+    :raises InputError: they contradict each other.
+    """
+    cases = {one.get("name", ""): one.find("failure") is not None for one in suite.iter("testcase")}
+    found = {name: failed for name, failed in cases.items() if name.startswith(_CASE)}
+    wanted = {f"{_CASE}{one['id']}": one["verdict"] == _VIOLATED for one in score.get(REQUIREMENTS, ())}
+    if found != wanted and next(suite.iter("error"), None) is None:
+        said, allowed = (
+            ", ".join(f"{name}{' failed' * failed}" for name, failed in one.items()) or "none"
+            for one in (found, wanted)
+        )
+        raise InputError(path, REQUIREMENTS, Words(said), f"{allowed}, as in {SCORE} beside it")
 
 
 def check_record(folder: Path, document: Mapping[str, Any], scenario: AnyScenario, trace: Trace) -> None:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 _CODE = (
     "common", "faults", "dbc", "bus", "scenarios", "plant_sim", "controller_node",
-    "record", "judge", "requirements", "report", "live", "systems", "run",
+    "record", "judge", "report", "live", "systems", "run",
 )  # fmt: skip
 
 #: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.

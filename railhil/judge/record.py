@@ -32,7 +32,7 @@ from railhil.scenarios.model import AnyScenario, PublishedScore
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import SCENARIO, any_judged_sha256, find_earlier_scenario, read_scenario
-from railhil.scenarios.settings import REQUIREMENTS
+from railhil.scenarios.settings import required
 from railhil.scenarios.system import System
 
 #: A curve needs two points.
@@ -128,12 +128,13 @@ class Record:
         found = self.judging.score(self.scenario, self.trace)
         if injected := self.certificate.get("injected", ()):
             found = with_expectations(found, injected, self.events, self.scenario, self.trace)
-        if tables := self.certificate.get(REQUIREMENTS):
+        path = self.folder / CERTIFICATE
+        if tables := required(self.certificate, path):
             # A run without requirements does not load their language.
             from railhil.judge.requirements.outcome import with_requirements
             from railhil.judge.requirements.requirement import requirements_from_json
 
-            found = with_requirements(self.copy_with(score=found), requirements_from_json(tables, self.folder))
+            found = with_requirements(self.copy_with(score=found), requirements_from_json(tables, path))
         return found
 
     @property

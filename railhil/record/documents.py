@@ -261,9 +261,16 @@ _Telemetry = Annotated[
 ]
 
 
+class _Outcome(_Part):
+    id: str
+    says: str
+    verdict: str
+
+
 class _Score(_Part):
     telemetry: _Telemetry | None
     run: _Run
+    requirements: list[_Outcome] = Field(default_factory=list)
     jitter: _Jitter | None = None
 
 

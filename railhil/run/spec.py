@@ -21,7 +21,7 @@ from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import SET, normalise_setting
+from railhil.scenarios.settings import REQUIREMENTS, SET, normalise_setting
 
 #: One text or several.
 Texts = str | Sequence[str]
@@ -174,9 +174,10 @@ def with_requirements(spec: RunSpec, words: Texts) -> RunSpec:
     if not words:
         return spec
     # A run without requirements does not load their language.
-    from railhil.judge.requirements.requirement import named_requirements
+    from railhil.judge.requirements.requirement import named_requirements, requirements_from_json
 
-    further = [one for one in named_requirements(texts_of(words)) if one not in spec.requirements]
+    known = requirements_from_json(spec.requirements, REQUIREMENTS)
+    further = [one.as_json() for one in named_requirements(texts_of(words), known)]
     return replace(spec, requirements=(*spec.requirements, *further))
 
 

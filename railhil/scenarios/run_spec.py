@@ -23,7 +23,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER, parse_commands
 from railhil.scenarios.plant_fmu import KEY as FMU_KEY
 from railhil.scenarios.plant_fmu import PlantFmu
-from railhil.scenarios.settings import REQUIREMENTS, fault_words, set_words
+from railhil.scenarios.settings import REQUIREMENTS, fault_words, required, set_words
 
 # The modules that read and check files are imported where they are used: a node that gets its scenario from its parent
 # needs none of them.
@@ -233,7 +233,7 @@ class RunSpec:
             faults=tuple(found.faults),
             run_number=found.run_number,
             orders=tuple(found.orders),
-            requirements=tuple(document.get(REQUIREMENTS) or ()),
+            requirements=required(document, file),
         )
         return spec.with_code(code)
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, short_repr
 from railhil.faults import FAULT
 from railhil.scenarios.tomlfile import parse_toml
 
@@ -21,6 +21,19 @@ from railhil.scenarios.tomlfile import parse_toml
 SET = Path("--set")
 #: Key of the sentences by which a run is judged, in its certificate and its ``score.json``.
 REQUIREMENTS = "requirements"
+
+
+def required(document: Mapping[str, Any], file: Path) -> tuple[Mapping[str, Any], ...]:
+    """The tables under :data:`REQUIREMENTS` of a certificate, without a look at their sentences.
+
+    :raises InputError: they are none.
+    """
+    found = document.get(REQUIREMENTS) or ()
+    if not isinstance(found, list | tuple) or not all(isinstance(one, Mapping) for one in found):
+        raise InputError(file, REQUIREMENTS, short_repr(found), "a list of tables, as railhil run has written")
+    return tuple(found)
+
+
 #: Keys that identify the scenario, and so cannot be set.
 _FIXED = ("schema_version", "name", "extends")
 #: Keys of references to files in third-party formats, by section.

@@ -8,13 +8,16 @@ from pathlib import Path
 
 import pytest
 
+from railhil import AT_TOP
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.study import CAMPAIGN
 from railhil.common.errors import InputError
-from railhil.common.held_code import held_sha256
+from railhil.common.held_code import held_sha256, place_of
+from railhil.hunt.plan import _OWN_CODE
+from railhil.judge.folder import code_files
 from railhil.scenarios.system import system_named
 from railhil.study.manifest import check_same
-from railhil.study.plan import law_sha256
+from railhil.study.plan import batch_sha256, law_sha256
 
 LAW = """\
 from helped_law.gain import GAIN
@@ -103,3 +106,17 @@ def test_a_campaign_is_not_resumed_with_another_module_beside_the_law(site: Path
     with pytest.raises(InputError, match=r"campaign\.laws\[0\]\.law_sha256: found '\w{64}', allowed '\w{64}'"):
         check_same(CAMPAIGN, site, before, identity())
     assert system_named("ato").law_sha256("helped") not in (None, certified)
+
+
+def test_folders_beside_the_package_are_no_part_of_it() -> None:
+    for name in ("hil_tests", "docs", "requirements"):
+        with pytest.raises(FileNotFoundError, match=f"railhil/{name}"):
+            place_of(name)
+    for name in AT_TOP:
+        assert place_of(name).is_dir()
+
+
+def test_the_hashed_code_is_that_of_the_package_and_has_what_judges_it() -> None:
+    names = [name for name, _ in code_files()]
+    assert "judge/requirements/outcome.py" in names
+    assert len(batch_sha256(*_OWN_CODE)) == 64

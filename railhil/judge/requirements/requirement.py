@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -53,7 +53,8 @@ class Requirement:
     """A sentence that runs have to keep.
 
     ``when``: ``none``: only runs without faults have to. ``source``: where it comes from, or "chosen". ``file``: where
-    it stands. ``define``: the names of its file that sentences may use, with their texts.
+    it stands; the same requirement in another file is equal. ``define``: the names of its file that sentences may use,
+    with their texts.
     """
 
     id: str
@@ -62,7 +63,7 @@ class Requirement:
     when: Literal["any", "none"] = "any"
     note: str = ""
     source: str = ""
-    file: str = ""
+    file: str = field(default="", compare=False)
     define: tuple[tuple[str, str], ...] = ()
 
     def bind(self, names: Names) -> BoundSentence:
@@ -130,8 +131,6 @@ def requirements_from_json(tables: Iterable[Any], file: str | Path) -> tuple[Req
     """
     found: list[Requirement] = []
     for table in tables:
-        if not isinstance(table, Mapping):
-            raise InputError(file, "requirements", str(table), "tables of requirements")
         own = {key: value for key, value in table.items() if key not in ("define", "file")}
         place = str(table.get("file") or file)
         found += requirements_in({"requirement": [own], "define": table.get("define") or {}}, place)
@@ -148,13 +147,17 @@ def requirements_of(spec: RunSpec, scenario: Any) -> tuple[Requirement, ...]:
     return found
 
 
-def named_requirements(words: Iterable[str | Path]) -> tuple[dict[str, Any], ...]:
-    """The requirements of files or systems (:func:`read_requirements`), for a :class:`RunSpec`; a file that is named
-    twice counts once.
+def named_requirements(words: Iterable[str | Path], known: Iterable[Requirement] = ()) -> tuple[Requirement, ...]:
+    """The requirements of files or systems (:func:`read_requirements`), each once.
 
+    :param known: requirements that do not count again.
     :raises InputError: a file cannot be read, or is wrong.
     """
-    return tuple(one.as_json() for word in dict.fromkeys(map(str, words)) for one in read_requirements(word))
+    found: dict[Requirement, None] = dict.fromkeys(known)
+    first = len(found)
+    for word in dict.fromkeys(map(str, words)):
+        found |= {one: None for one in read_requirements(word) if one not in found}
+    return tuple(found)[first:]
 
 
 def _check_definition(name: str, text: str, file: str | Path) -> None:

@@ -75,8 +75,9 @@ def unless(holds: FloatArray, released: npt.NDArray[np.bool_]) -> FloatArray:
     """The smallest margin from each tick to the last one before the release, or to the end; shape (n,).
 
     This is the weak until: ``max(release, min(holds, the same one tick later))``. A tick of the release itself has
-    ``+inf``. The minimum runs backwards through blocks of ticks, through all blocks at once; then the minimum of each
-    block's rest runs through the blocks. It takes the same time however often the conditions change.
+    ``+inf``; NaN: nothing is known up to the release. The minimum runs backwards through blocks of ticks, through all
+    blocks at once; then the minimum of each block's rest runs through the blocks. It takes the same time however often
+    the conditions change.
 
     :param holds: margins, shape (n,); ticks of which nothing is known count as ``+inf``.
     :param released: whether the releasing condition holds, shape (n,).
@@ -103,7 +104,8 @@ def unless(holds: FloatArray, released: npt.NDArray[np.bool_]) -> FloatArray:
         carried[row] = value
         value = blocks[row, 0] if is_closed[row, 0] else min(blocks[row, 0], value)
     found: FloatArray = np.where(is_closed, blocks, np.minimum(blocks, carried[:, None])).reshape(-1)
-    return found[:count]
+    found = found[:count]
+    return np.where(np.isposinf(found) & ~released, np.nan, found)
 
 
 def begins(margins: FloatArray) -> npt.NDArray[np.bool_]:

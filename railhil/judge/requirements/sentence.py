@@ -144,16 +144,20 @@ class BoundSentence:
         scope = np.zeros(grid.count, dtype=bool)
         for first, last in spans:
             scope[first : last + 1] = True
-        if isinstance(body, syntax.At):
-            return self._at(grid, scope)
-        if isinstance(body, syntax.Whenever):
-            return self._whenever(grid, scope)
         if isinstance(body, syntax.Eventually):
             return self._eventually(grid, spans)
-        return self._throughout(grid, scope, spans, isinstance(body, syntax.Never))
+        if isinstance(body, syntax.At):
+            found = self._at(grid, scope)
+        elif isinstance(body, syntax.Whenever):
+            found = self._whenever(grid, scope)
+        else:
+            found = self._throughout(grid, scope, spans, isinstance(body, syntax.Never))
+        first, last = spans[0] if spans else (0, 0)
+        # What the scope still has behind the end of the record is not seen.
+        return replace(found, verdict=OPEN, opened=first) if found.verdict == KEPT and last >= grid.count else found
 
     def _spans(self, grid: Grid) -> Iterator[tuple[int, int]]:
-        """The judged parts of the record."""
+        """The judged parts of the record. The scope ``from`` ends behind the record if its end has not come."""
         scope, end = self.sentence.scope, grid.count - 1
         if scope is None:
             yield 0, end
@@ -168,8 +172,11 @@ class BoundSentence:
             return
         begins = self._ticks(grid, self._scope[0])
         finishes = self._ticks(grid, self._scope[1], last=True) if scope.word == "from" else np.array([end])
-        if begins.size and finishes.size:
-            first, last = int(begins[0]), min(int(finishes[0]), end)
+        if begins.size and begins[0] <= end:
+            first = int(begins[0])
+            if not isinstance(self._scope[-1], Fraction):
+                finishes = finishes[finishes >= first]
+            last = min(int(finishes[0]), grid.count) if finishes.size else grid.count
             if first <= last:
                 yield first, last
 
@@ -250,7 +257,11 @@ class BoundSentence:
         """Margin of the reaction that begins at each tick."""
         if self._ends:
             return unless(margins, released)
-        return margins if self._hold == 1 else window_min(margins, 0, self._hold - 1, beyond)
+        if self._hold == 1:
+            return margins
+        found = window_min(margins, 0, self._hold - 1, beyond)
+        # A window of which nothing is known shows nothing.
+        return np.where(np.isposinf(window_min(margins, 0, self._hold - 1, -np.inf)), np.nan, found)
 
     def _weakest(self, margins: FloatArray, released: npt.NDArray[np.bool_], begun: int) -> int:
         """Ticks from the beginning of a reaction to the one with the least margin."""

@@ -218,8 +218,10 @@ def windows(node: syntax.Number | None, up: bool) -> int:
 
 def least_of(
     margins: Sequence[tuple[float, int] | None], first: int, after: int, beyond: tuple[float, int]
-) -> tuple[float, int]:
+) -> tuple[float, int] | None:
     inside = [margins[tick] if tick < len(margins) else beyond for tick in range(first, after)]
+    if inside and not any(inside):
+        return None
     return min((one for one in inside if one is not None), default=_MOST)
 
 
@@ -230,8 +232,8 @@ def scope_of(defined: Defined, scope: syntax.Scope | None) -> list[tuple[int, in
     if scope.word == "from":
         assert isinstance(scope.first, syntax.Number)
         assert isinstance(scope.last, syntax.Number)
-        first, last = windows(scope.first, True), min(windows(scope.last, False), end)
-        return [(first, last)] if first <= last else []
+        first, last = windows(scope.first, True), min(windows(scope.last, False), defined.count)
+        return [(first, last)] if first <= min(last, end) else []
     begins = [tick for tick, one in enumerate(defined.margins(scope.first)) if one is not None and one[1] > 0]
     if scope.word == "after":
         return [(begins[0], end)] if begins else []
@@ -294,7 +296,9 @@ def defined_outcome(record: Record, says: str) -> tuple[str, int, float | None]:
                 bounds.append(max((one for one in row if one is not None), default=_LEAST))
             cases.append((bounds[0], bounds[1]))
     else:
-        met = sum(any(margins[tick] is not None for tick in range(first, last + 1)) for first, last in spans)
+        met = sum(
+            any(margins[tick] is not None for tick in range(first, min(last + 1, count))) for first, last in spans
+        )
         longer = 1 if isinstance(body, syntax.Always) or body.longer is None else windows(body.longer, False) + 1
         inside = [one if one is not None and scoped[tick] else _LEAST for tick, one in enumerate(margins)]
         for tick, one in enumerate(margins):
@@ -303,14 +307,16 @@ def defined_outcome(record: Record, says: str) -> tuple[str, int, float | None]:
             if isinstance(body, syntax.Always):
                 cases.append((one, one))
             else:
-                held = [least_of(inside, tick, tick + longer, beyond) for beyond in (_MOST, _LEAST)]
+                held = [least_of(inside, tick, tick + longer, beyond) or _MOST for beyond in (_MOST, _LEAST)]
                 cases.append(((-held[0][0], -held[0][1]), (-held[1][0], -held[1][1])))
     cases = [(worst, best) for worst, best in cases if best != _LEAST]
     if not cases:
         return "says nothing", met, None
     violated = [best for _, best in cases if best[1] < 0]
     kept = [worst for worst, _ in cases if worst[1] > 0]
-    verdict = "violated" if violated else "kept" if len(kept) == len(cases) else "open"
+    # A scope that ends behind the record may have further cases.
+    ends = isinstance(body, syntax.Eventually) or not spans or spans[0][1] < count
+    verdict = "violated" if violated else "kept" if len(kept) == len(cases) and ends else "open"
     worst = min([*violated, *kept], default=_MOST)
     return verdict, met, worst[0] if math.isfinite(worst[0]) else None
 

@@ -57,8 +57,8 @@ def test_a_condition_holds_from_a_tick_until_the_release() -> None:
         for tick in range(len(margins)):
             ends = np.flatnonzero(released[tick:])
             part = margins[tick : tick + ends[0] if len(ends) else None].tolist()
-            wanted.append(min((one for one in part if one == one), default=math.inf))
-        assert unless(margins, released).tolist() == wanted
+            wanted.append(min((one for one in part if one == one), default=math.nan if part else math.inf))
+        np.testing.assert_array_equal(unless(margins, released), wanted)
 
 
 @pytest.mark.parametrize(("left", "right"), list(product(VALUES.tolist(), VALUES.tolist())))

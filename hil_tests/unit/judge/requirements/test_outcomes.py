@@ -106,6 +106,45 @@ def test_something_has_to_come_in_time() -> None:
     assert judged(record, "eventually notch_command > 2").verdict == "violated"
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        "always measured_speed <= 3 m/s",
+        "never measured_speed > 3 m/s for longer than 50 ms",
+        "whenever measured_speed > 0 m/s, at once measured_speed < 3 m/s",
+        "eventually measured_speed > 3 m/s",
+    ],
+)
+def test_a_scope_that_ends_behind_the_record_is_not_seen_whole(body: str) -> None:
+    speeds = [1000] * 10
+    # The record has the ticks from 0 to 90 ms.
+    assert judged(record_of(speeds), f"from 20 ms to 90 ms, {body}").verdict in ("kept", "violated")
+    for scope in ("from 20 ms to 100 ms", "from 20 ms to emergency"):
+        found = judged(record_of(speeds), f"{scope}, {body}")
+        assert (found.verdict, found.open_s) == ("open", 0.02)
+    assert judged(record_of(speeds), f"from 100 ms to 1 s, {body}").verdict == "says nothing"
+
+
+def test_a_scope_ends_at_the_first_event_after_its_beginning() -> None:
+    record = record_of([1000] * 5 + [4000] + [1000] * 4, events=[(0.02, Event.STOPPED), (0.08, Event.STOPPED)])
+    found = judged(record, "from 40 ms to stopped, never measured_speed > 3 m/s")
+    assert (found.verdict, found.instant_s) == ("violated", 0.05)
+    assert judged(record, "from 60 ms to stopped, never measured_speed > 3 m/s").verdict == "kept"
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        "eventually controller_level = emergency for 50 ms",
+        "whenever measured_speed > 0 m/s, at once controller_level = emergency for 50 ms",
+        "whenever measured_speed > 0 m/s, at once controller_level = emergency, until end",
+    ],
+)
+def test_a_level_that_nobody_reports_shows_nothing(says: str) -> None:
+    record = record_of([1000] * 30)
+    assert not judged(record, says).kept
+
+
 def test_only_the_scope_is_judged() -> None:
     record = record_of(
         lost(0, 0), notches((0, 0), (10, 512), (20, 0)),

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from hil_tests.support.paths import ROOT
+from railhil.cli.score import further_required
 from railhil.common.errors import InputError
 from railhil.judge.folder import junit
 from railhil.judge.record import checked_record
 from railhil.judge.requirements.outcome import with_requirements
 from railhil.judge.requirements.requirement import named_requirements, requirements_from_json
 from railhil.judge.result import Result
+from railhil.record.hash_list import write_hash_list
 from railhil.report.page import page
 from railhil.run.make import record_run
 from railhil.run.report import as_recorded
+from railhil.run.spec import with_requirements as spec_with_requirements
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 _KEPT = 'id = "A-1"\nsays = "never true_speed < 0 km/h"'
@@ -32,11 +37,15 @@ def file_of(folder: Path, *tables: str) -> Path:
     return path
 
 
+def tables_of(*paths: Path) -> tuple[dict[str, Any], ...]:
+    return tuple(one.as_json() for one in named_requirements(paths))
+
+
 @pytest.fixture(scope="module")
 def judged(tmp_path_factory: pytest.TempPathFactory) -> Result:
     """A run with a violated requirement."""
     folder = tmp_path_factory.mktemp("judged")
-    tables = named_requirements([file_of(folder, _KEPT, _VIOLATED, _SILENT)])
+    tables = tables_of(file_of(folder, _KEPT, _VIOLATED, _SILENT))
     return record_run(replace(_HOP, requirements=tables, out=folder / "run"))
 
 
@@ -87,7 +96,7 @@ def test_junit_and_report_show_each_requirement(judged: Result) -> None:
 
 def test_a_sentence_that_does_not_fit_is_refused_before_the_run(tmp_path: Path) -> None:
     path = file_of(tmp_path, 'id = "A-1"\nsays = "never true_sped < 0 km/h"')
-    spec = replace(_HOP, requirements=named_requirements([path]), out=tmp_path / "run")
+    spec = replace(_HOP, requirements=tables_of(path), out=tmp_path / "run")
     with pytest.raises(InputError, match=r"mine.toml: requirement A-1: .*true_sped.*column 7"):
         record_run(spec)
     assert not (tmp_path / "run").exists()
@@ -98,3 +107,39 @@ def test_a_repeated_run_has_the_sentences_of_the_certificate_when_their_file_is_
     assert again == judged.spec
     assert again.requirements == judged.spec.requirements
     assert again.words.count("--requirements") == 1
+
+
+def test_a_requirement_that_two_files_have_counts_once(judged: Result, tmp_path: Path) -> None:
+    again = file_of(tmp_path, _KEPT, _VIOLATED, _SILENT)
+    assert spec_with_requirements(judged.spec, [str(again)]).requirements == judged.spec.requirements
+    record = checked_record(str(judged.folder), None)
+    assert further_required(record, [str(again)]).score.requirements == record.score.requirements
+    assert [one.id for one in named_requirements([again, again.parent / "." / "mine.toml"])] == ["A-1", "A-2", "A-3"]
+
+
+def _relisted(judged: Result, folder: Path, name: str, old: str, new: str) -> str:
+    """A copy of the folder in which a document and then the list of hashes were changed."""
+    shutil.copytree(judged.place, folder)
+    text = (folder / name).read_text()
+    assert old in text
+    (folder / name).write_text(text.replace(old, new))
+    write_hash_list(folder)
+    return str(folder)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        ("score.json", '"verdict": "violated"', '"verdict": "kept"', "requirement A-2 failed"),
+        ("junit.xml", 'name="requirement A-2"', 'name="requirement A-9"', "requirement A-9 failed"),
+        ("certificate.json", '"id": "A-3"', '"id": "A-4"', "requirements: found"),
+        ("certificate.json", '"requirements": [', '"requirements": 5, "other": [', "a list of tables"),
+        ("certificate.json", '"requirements": [', '"other": [', "requirements: found"),
+    ],
+)
+def test_documents_that_disagree_on_requirements_are_refused(
+    judged: Result, tmp_path: Path, name: str, old: str, new: str, said: str
+) -> None:
+    folder = _relisted(judged, tmp_path / "copy", name, old, new)
+    with pytest.raises(InputError, match=said):
+        checked_record(folder, None)
