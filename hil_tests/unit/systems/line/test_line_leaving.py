@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from hil_tests.support.line_records import Told, drive, driven_run, milestones_in, trace_of
-from hil_tests.support.lines import LIMITS, STOPS, Driver, four_stops, make_leg
+from hil_tests.support.lines import LIMITS, OUT_AND_BACK, STOPS, Driver, four_stops, make_leg
 from railhil.bus.telegrams import RunEvent
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
@@ -154,3 +154,31 @@ def test_a_train_does_not_leave_towards_a_signal_that_a_fault_holds_red() -> Non
     assert said == f"invariant 11: the train left stop 2 B at {at_s:.2f} s towards a red signal"
     assert seen(lambda time_s, place_m: at_s - 5.0 < time_s < at_s) == []
     assert seen(lambda time_s, place_m: at_s < time_s < at_s + 0.5) == []
+
+
+def test_a_train_does_not_leave_a_turn_back_towards_a_red_signal_of_the_way_back() -> None:
+    """Standing there it has the number of the leg on which it came, and sees the signals of the next one."""
+    stops = tuple(replace(stop, position_m=stop.position_m * 0.1) for stop in OUT_AND_BACK)
+    stops = (stops[0], replace(stops[1], arrive_s=50.0, depart_s=80.0), replace(stops[2], arrive_s=130.0))
+    legs = tuple(make_leg(number, stops, ((-118.0, 0.0),), ((-118.0, 60 / 3.6),)) for number in (0, 1))
+    found = four_stops(stops=stops, legs=legs, signals=(RouteSignal(200.0, 0.0, 1),))
+    told, _ = drive(found)
+    number = milestones_in(told, "departure", found)[1]
+    events = [RunEvent.decode(one.data) for one in told if one.port == RunEvent.PORT]
+    at_s = next(one.instant_01ms / 1e4 for one in events if one.number == number)
+
+    def said(is_red: Callable[[float], bool]) -> list[str]:
+        changed = [
+            one._replace(data=replace(StnInfo.decode(one.data), signal_next=SignalAspect.RED).encode())
+            if one.port == StnInfo.PORT and is_red(one.time_ns / 1e9)
+            else one
+            for one in told
+        ]
+        failures = score(found, trace_of(found, changed)).failures
+        return [one for one in failures if one.startswith("invariant")]
+
+    assert said(lambda time_s: abs(time_s - at_s) < 0.5) == [
+        f"invariant 11: the train left stop 2 B at {at_s:.2f} s towards a red signal"
+    ]
+    assert said(lambda time_s: at_s - 0.5 < time_s < at_s) == []
+    assert said(lambda time_s: False) == []

@@ -1,6 +1,7 @@
 """Red signals as a record shows them: whatever holds one red, the timetable or a fault, STN_INFO shows it.
 
-SignalNext is the aspect of the next signal ahead of the front. Which one that is, follows from the train's place.
+SignalNext is the aspect of the next signal ahead of the front. Which one that is, follows from the train's place; while
+it stands at a turn-back, it is the first one of the leg behind it.
 """
 
 from __future__ import annotations
@@ -9,8 +10,10 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhil.common.digits import text_beside_limit
+from railhil.record.trace import FloatArray
 from railhil.systems.line.judge.course import stop_name
 from railhil.systems.line.judge.run import LineRun
 from railhil.systems.line.scenario.model import RouteSignal
@@ -81,7 +84,8 @@ def _aspects(run: LineRun) -> list[_Told]:
     signals, port = run.scenario.signals, StnInfo.PORT
     if not signals or port in run.forged:
         return []
-    time_s, legs = run.trace.times_s(port), run.trace.raw(port, "Leg")
+    time_s = run.trace.times_s(port)
+    legs = _legs_ahead(run, time_s, run.trace.raw(port, "Leg"))
     places_m = run.motion.positions_at(time_s)
     red = run.trace.raw(port, "SignalNext") == SignalAspect.RED
     return [
@@ -99,6 +103,17 @@ def _aspects(run: LineRun) -> list[_Told]:
             time_s.tolist(), places_m.tolist(), legs.tolist(), red.tolist(), strict=True
         )
     ]
+
+
+def _legs_ahead(run: LineRun, time_s: FloatArray, legs: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The legs of the next signals: those of the train, but at a stop the one into which it departs."""
+    ahead = legs.copy()
+    for section in run.scenario.sections:
+        visit = run.course.visits[section.departure]
+        if visit.arrived is not None:
+            until_s = np.inf if visit.departed is None else visit.departed.instant_s
+            ahead[(time_s >= visit.arrived.instant_s) & (time_s <= until_s)] = section.leg
+    return ahead
 
 
 def _shown_before(told: list[_Told], signal: RouteSignal, passed_s: float) -> list[_Told]:
