@@ -75,7 +75,10 @@ def shrink_case(task: ShrinkTask) -> Least:
         found = runs[faults, seed] = run_case(task.base, task.requirements, faults, seed)
         return task.requirement in found.violated
 
-    if task.shrinks:
+    if task.shrinks and violates((), task.seed):
+        # No fault is needed: nothing is to be learned from those of the case.
+        least = Shrunk((), task.seed, 1, 0)
+    elif task.shrinks:
         least = shrink(task.faults, task.seed, violates, task.horizon_s)
     else:
         least = Shrunk(task.faults, task.seed, 0, 0)

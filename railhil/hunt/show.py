@@ -45,12 +45,14 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
             continue
         yield f"{one['id']}  VIOLATED in {count_of(one['violations'], 'run')}: {one['said']}"
         for least in (case for case in summary["found"] if case["id"] == one["id"]):
-            yield from _least(least, folder)
+            yield from _least(least, folder, _sentences(plan, one["id"]))
     yield _verdict(summary)
 
 
 def _kept(one: Mapping[str, Any]) -> str:
     """A requirement that no run violates."""
+    if not one["runs"]:
+        return f"{one['id']}  not judged in any run: none was valid, or it is about runs without faults only"
     if one["verdict"] == SILENT:
         return f"{one['id']}  says nothing: its antecedent was never met in {count_of(one['runs'], 'run', spec=',')}"
     nearest = "" if one["margin"] is None else f"; nearest {one['margin']:.4g} {one['unit']}".rstrip()
@@ -59,8 +61,18 @@ def _kept(one: Mapping[str, Any]) -> str:
     return f"{one['id']}  not found in {count_of(one['runs'], 'run', spec=',')}{nearest}{slack} ({met})"
 
 
-def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
-    for text in one["faults"]:
+def _sentences(plan: Plan, requirement: str) -> str:
+    """The options with which ``railhil run`` judges by the files of a requirement; none for a rule of every run."""
+    if requirement not in (one.id for one in plan.requirements):
+        return ""
+    here = Path.cwd()
+    paths = [Path(word) for word in plan.request.requirements]
+    near = [str(path.relative_to(here) if path.is_relative_to(here) else path) for path in paths]
+    return "".join(f" --requirements {shlex.quote(word)}" for word in near)
+
+
+def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str]:
+    for text in one["faults"] or ["(without any fault)"]:
         yield f"    {text}"
     before = one["from"]["faults"]
     shrunk = (
@@ -74,7 +86,7 @@ def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
         factors = ", ".join(f"x{factor:g}" for factor in one["longer_pass"])
         yield f"    not monotone: longer ones pass ({factors})"
     file = shlex.quote(str(folder / FOUND / f"{one['name']}.toml"))
-    yield f"    railhil run {file}{one['options']}"
+    yield f"    railhil run {file}{one['options']}{sentences}"
     repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
 

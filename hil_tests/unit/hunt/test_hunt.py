@@ -35,10 +35,11 @@ SENT = {"TRN_SPEED": Sent(0.0, 42.0, 0.01), "TRN_POS": Sent(0.0, 42.0, 0.02)}
 @dataclass
 class MadeUpBench:
     """Stands for the runs: a fault of TRN_SPEED of 50 ms or more breaks rule 4. ``fails``: raised by a run with a fault
-    at a place; ``invalid``: every run is."""
+    at a place; ``invalid``: every run is; ``always``: what every run violates."""
 
     fails: str = ""
     invalid: bool = False
+    always: str = ""
     runs: list[tuple[str, ...]] = field(default_factory=list)
 
     def run_case(
@@ -53,8 +54,8 @@ class MadeUpBench:
             return Judged("TOOL ERROR", {BENCH: "made up"}, frames_sha256=digest)
         speed = [parse(text) for text in texts if text.startswith("TRN_SPEED")]
         long = [one for one in speed if one.count is None and (one.duration_s or 42.0) >= 0.05]
-        violated = {"INV-4": "made up"} if long else {}
-        return Judged("FAIL" if long else "PASS", violated, cells=(f"cell {len(texts)}",), frames_sha256=digest)
+        violated = {"INV-4": "made up"} if long else {self.always: "made up"} if self.always else {}
+        return Judged("FAIL" if violated else "PASS", violated, cells=(f"cell {len(texts)}",), frames_sha256=digest)
 
 
 @pytest.fixture
@@ -118,6 +119,24 @@ def test_a_planted_defect_is_found_shrunk_and_repeated_by_its_file(bench: MadeUp
     told = list(lines(made_plan, made.summary, made.folder))
     assert any(line.startswith("INV-4  VIOLATED in ") for line in told)
     assert told[-1] == "FAIL: INV-4 violated. Not found is not absence: 40 runs with this seed."
+
+
+def test_what_is_violated_without_any_fault_is_said_so(bench: MadeUpBench, tmp_path: Path) -> None:
+    bench.always = "T-1"
+    (tmp_path / "mine.toml").write_text('[[requirement]]\nid = "T-1"\nsays = "never true_speed > 1 km/h"\n')
+    made_plan, made = hunt(tmp_path / "a", requirements=(str(tmp_path / "mine.toml"),))
+    (found,) = [one for one in made.summary["found"] if one["id"] == "T-1"]
+    assert (found["faults"], found["is_repeatable"]) == ([], True)
+    told = list(lines(made_plan, made.summary, made.folder))
+    place = next(place for place, line in enumerate(told) if line.startswith("T-1  VIOLATED"))
+    assert told[place + 1].strip() == "(without any fault)"
+    assert f"--requirements {tmp_path / 'mine.toml'}" in told[place + 3], "the command judges by the sentence"
+
+
+def test_a_requirement_that_no_run_was_judged_by_is_not_called_silent(bench: MadeUpBench, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('[[requirement]]\nid = "T-1"\nsays = "never true_speed > 1 km/h"\n')
+    made_plan, made = hunt(tmp_path / "a", requirements=(str(tmp_path / "mine.toml"),), runs=4)
+    assert any(line.startswith("T-1  not judged in any run") for line in lines(made_plan, made.summary, made.folder))
 
 
 def test_the_order_of_results_and_an_interruption_change_no_byte(bench: MadeUpBench, tmp_path: Path) -> None:
