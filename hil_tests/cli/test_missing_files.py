@@ -19,6 +19,7 @@ BESIDE = {
     "railhil replay": ("--node", "plant"), "railhil export": ("--csv",), "railhil memory export": ("--out", "x"),
     "railhil export-c": ("ipfc", "--out", "x"), "railhil panel": ("--port", "0"), "railhil new line": ("mine",),
     "railhil learn": ("yizhuang_stop",), "railhil sequence run": ("yizhuang_stop",),
+    "railhil branch": ("--no-return",),
 }  # fmt: skip
 
 

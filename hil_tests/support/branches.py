@@ -13,6 +13,7 @@ from railhil.common.errors import InputError
 from railhil.faults.capability import why_not
 from railhil.faults.language import fault_text, parse
 from railhil.faults.random_faults import Sent, random_fault, words_drawn
+from railhil.faults.words import word_of
 from railhil.run.make import record_run
 from railhil.run.trunk import Branch, Standing
 from railhil.scenarios.fault_list import fault_texts, list_disturbed_signals
@@ -47,7 +48,7 @@ def trunk_spec(name: str, folder: Path, *faults: str, seed: int = 3) -> RunSpec:
 
 
 def random_texts(scenario: AnyScenario, chance: random.Random, begin_s: float) -> list[str]:
-    """One to three faults from an instant on that a run in one process can inject."""
+    """One to three faults from an instant on that a branch of a run in one process can inject."""
     system = scenario.installed_system
     ports = list_disturbed_signals(system)
     sent = {port: Sent(0.0, 1e9, 0.1) for port in ports}
@@ -59,9 +60,17 @@ def random_texts(scenario: AnyScenario, chance: random.Random, begin_s: float) -
             known = fault_texts([*found, text], system, lambda row: Path("drawn"))
         except InputError:
             continue
-        if not why_not(parse(text), "local", "lockstep"):
+        if not why_not(parse(text), "local", "lockstep") and not looks_back(text):
             found[:] = known
     return found
+
+
+def looks_back(text: str) -> bool:
+    """Whether a fault needs what was before its begin: a branch with it is a straight run."""
+    fault = parse(text)
+    word = word_of(fault.place.level, fault.place.name, fault.place.part, fault.what)
+    assert word is not None
+    return word.looks_back
 
 
 def straight_sha256(spec: RunSpec, faults: tuple[str, ...], folder: Path) -> str:

@@ -19,14 +19,14 @@ CLOCK = Frame(0x080, b"\x04")
 NODES = ("plant", "controller", "supervisor")
 
 
-def _descriptors() -> set[str]:
+def descriptors() -> set[str]:
     return set(os.listdir("/proc/self/fd"))
 
 
 @contextmanager
 def pipe_links() -> Iterator[dict[str, PipeLink]]:
     """One link for each node, with descriptors of its own as after a start."""
-    before = _descriptors()
+    before = descriptors()
     pipes = Pipes()
     copies = {
         role: Ends(tuple(map(os.dup, ends.inboxes)), {name: os.dup(end) for name, end in ends.others.items()})
@@ -37,7 +37,7 @@ def pipe_links() -> Iterator[dict[str, PipeLink]]:
     yield made
     for link in made.values():
         link.close()
-    assert _descriptors() == before
+    assert descriptors() == before
 
 
 def heard(links: dict[str, PipeLink]) -> dict[str, list[Frame]]:

@@ -150,7 +150,7 @@ def play(
         return list(sources[kind].frames(change(kind, data)))
 
     with monkeypatch.context() as patch:
-        patch.setattr(plant_node, "make_plant", lambda *_: (train, None))
+        patch.setattr(plant_node, "make_plant", lambda *_, **__: (train, None))
         plant = plant_node.make_plant_node(line, spec, LocalBus([answer, session.handle]))
         plant.run()
     found.passed = {port: accepted for port, (accepted, _) in train.judged.items()}

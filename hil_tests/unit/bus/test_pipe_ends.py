@@ -8,7 +8,7 @@ import stat
 
 import pytest
 
-from hil_tests.unit.bus.test_bus_pipes import descriptors
+from hil_tests.support.pipe_links import descriptors
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.link import open_link
 from railhil.bus.link import pipes as module

@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.support.paths import TEST_DATA
 from railhil.judge.requirements.outcome import Outcome
-from railhil.judge.requirements.requirement import check_requirements, named_requirements, read_requirements
+from railhil.judge.requirements.requirement import check_requirements, read_requirements
 from railhil.run.make import record_run
 from railhil.scenarios.load import load_any, names
 from railhil.scenarios.model import AnyScenario
@@ -76,7 +76,7 @@ def outcomes(system: str, row: int) -> tuple[Outcome, ...]:
     with TemporaryDirectory() as folder:
         spec = RunSpec(
             scenario, tuple(settings), LawSpec(law), bus="local", faults=tuple(faults), out=Path(folder) / "run",
-            requirements=named_requirements([system]),
+            requirements=tuple(one.as_json() for one in read_requirements(system)),
         )  # fmt: skip
         return record_run(spec, keep=False).score.requirements
 

@@ -22,9 +22,10 @@ from railhil.faults import parse_faults
 from railhil.faults.random_faults import Sent, random_pair
 from railhil.judge.record import Record
 from railhil.judge.requirements.outcome import judge_requirements
-from railhil.judge.requirements.requirement import Requirement, named_requirements, read_requirements
+from railhil.judge.requirements.requirement import Requirement, read_requirements
 from railhil.judge.score import Score
 from railhil.run.make import NeverBegan, record_run
+from railhil.run.spec import with_requirements
 from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
@@ -95,7 +96,7 @@ def hop(tmp_path_factory: pytest.TempPathFactory) -> RunSpec:
     """A short journey that is judged by all the sentences."""
     path = tmp_path_factory.mktemp("hop") / "short.toml"
     path.write_text(RUN_72M_TOML, encoding="utf-8")
-    return RunSpec(str(path), law=LawSpec("ipfc_plus"), bus="local", requirements=named_requirements(["ato"]))
+    return with_requirements(RunSpec(str(path), law=LawSpec("ipfc_plus"), bus="local"), "ato")
 
 
 @pytest.fixture(scope="module")
