@@ -29,7 +29,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow, pytest.mark.timeout(600)]
 
-needs_fork = pytest.mark.skipif(sys.platform != "linux", reason="branches are straight runs here")
+needs_fork = pytest.mark.skipif(sys.platform != "linux", reason="MISSING CAPABILITY a fork of a run (Linux)")
 #: Limits that 2 m in 4 s keep.
 _WIDE = ("plan.stop_error_max_m=1", "plan.time_error_max_s=1")
 #: Branches of each trunk in make test, and of each trunk and seed in make test-long.
