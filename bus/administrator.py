@@ -105,27 +105,13 @@ class SendQueue:
             self._queue = []
             self._endpoint.send(queue)
 
-    def poll(self, port: Port, following: Sequence[Port] = ()) -> bool:
-        """Send the queue, and the poll of a port after it.
-
-        :param following: ports of the same node that will be polled next, in this order.
-        :returns: whether they have been polled as well; only packed frames can be.
-        """
-        packed = self._packed
-        if packed is None:
+    def poll(self, port: Port) -> None:
+        """Send the queue, and the poll of a port after it."""
+        if self._packed is not None:
+            self._packet += self._polls[port.name]
+        else:
             self._queue.append(master_frame(port.f_code, port.address))
-            self.flush()
-            return False
-        self._packet += self._polls[port.name]
-        if not following:
-            self.flush()
-            return False
-        before = (port, *following)
-        packet, self._packet = self._packet, b""
-        packed.ask(
-            packet, [(one.can_ids[-1], self._polls[then.name]) for one, then in zip(before, following, strict=False)]
-        )
-        return True
+        self.flush()
 
 
 class Administrator:
@@ -164,35 +150,24 @@ class Administrator:
         self._contract = contract
         self._own = OwnFrames(contract)
         # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
-        self._last_of = {can_id: port.name for port in contract.ports for can_id in (port.can_ids[-1], port.fd_id)}
+        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns
-        # Answers that are awaited: of the port that is polled, and of those polled with the port before it. True: an
-        # answer was committed to the store, False: it was refused.
-        self._awaits: dict[str, bool | None] = {}
 
-    def poll(self, port: Port, following: Sequence[Port] = ()) -> bool:
+    def poll(self, port: Port) -> bool:
         """Ask the owner of a port for its telegram.
 
         Lockstep waits for the answer; real time gives up after the reply time-out. In both, an answer that the store
         refuses (damaged in transit) is a missed telegram.
 
-        :param following: ports of the same owner that will be polled next, in this order. In lockstep it may be asked
-            for them now, and answer all in one turn.
         :returns: True when the answer was committed to the store, False for a missed one.
         :raises PeerSilent: in lockstep, when the owner has ended or the patience is exhausted.
         """
         self.counters["polls"] += 1
         if self._pacer.rate:
             self._discard_late()
-        if port.name not in self._awaits:
-            self._awaits = {port.name: None}
-            if self.queue.poll(port, following):
-                self._awaits |= dict.fromkeys([one.name for one in following])
-        committed = self._awaits[port.name]
-        if committed is None:
-            committed = self._in_time(port) if self._pacer.rate else self._awaited(port)
-        self._awaits.pop(port.name, None)
+        self.queue.poll(port)
+        committed = self._in_time(port) if self._pacer.rate else self._awaited(port)
         if committed:
             return True
         self.counters["missed_polls"] += 1
@@ -252,21 +227,19 @@ class Administrator:
 
         An empty frame on the last identifier of the telegram means that the source does not answer.
         """
-        awaits = self._awaits
+        name, last_ids = port.name, self._last_ids[port.name]
+        committed = None
         for frame in self._endpoint.receive(timeout_ns / 1e9):
-            last = self._last_of.get(frame.can_id, "")
-            is_last = last in awaits and frame in self._own
+            is_last = frame.can_id in last_ids and frame in self._own
             if is_last and not frame.data:
                 # A source under a fault sends this frame in lockstep only: in real time nothing waits for its answer.
                 self.counters["no_answer"] += 1
-                fed = None
-            else:
-                fed = self.store.feed(frame, self._now_ns())
-            if fed is not None and fed in awaits:
-                awaits[fed] = True
-            elif is_last and awaits[last] is None:
-                awaits[last] = False
-        return awaits.get(port.name)
+                committed = False if committed is None else committed
+            elif self.store.feed(frame, self._now_ns()) == name:
+                committed = True
+            elif is_last and committed is None:
+                committed = False
+        return committed
 
     def find_devices(self, devices: Iterable[int], timeout_ns: int, interval_ns: int = 100_000_000) -> set[int]:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
@@ -87,8 +86,6 @@ class PlantNode:
         # Position of the current tick, because a plant that has failed no longer has one.
         self._position_01mm = 0
         asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
-        # For each port: what is polled after it.
-        self._polled_after = {port.name: _after(asked, number, schedule) for number, port in enumerate(asked)}
         self._loop = TickLoop(plant, plant.ending, schedule, self, self._makers(), asked, contract.clock_port.name)
 
     def _makers(self) -> dict[str, Callable[[], Telegram | None]]:
@@ -217,18 +214,13 @@ class PlantNode:
             self.administrator.queue.flush()
 
     def poll(self, port: Port) -> None:
-        """Poll a port that is due, and act on the answer; a lost controller is no longer polled."""
-        tick = self.plant.tick
-        self._poll(port, [one for period, one in self._polled_after[port.name] if tick % period == 0])
-
-    def _poll(self, port: Port, following: Sequence[Port] = ()) -> None:
-        """Poll a port; ``following`` are those of the same node that will be polled next, in this order."""
+        """Poll a port, and act on the answer; a lost controller is no longer polled."""
         if self.controller_lost and port.source == "controller":
             return
         polled_ns = time.monotonic_ns()
         self._supervisor.begin()
         try:
-            answered = self.administrator.poll(port, following)
+            answered = self.administrator.poll(port)
         except PeerSilent as silence:
             if port.source != "controller":
                 self._supervisor_lost(silence)
@@ -307,14 +299,7 @@ class PlantNode:
             for _ in range(LAST_STATUS_POLLS):
                 if self.controller_lost or self._status_ticks[port.name] == self.plant.tick:
                     break
-                self._poll(port)
-
-
-def _after(polled: Sequence[Port], number: int, schedule: Schedule) -> list[tuple[int, Port]]:
-    """The ports of the same node that are polled after one, without another in between, with their periods in ticks."""
-    source = polled[number].source
-    after = takewhile(lambda port: port.source == source, polled[number + 1 :])
-    return [(schedule.ticks(port.name), port) for port in after]
+                self.poll(port)
 
 
 def make_plant_node(

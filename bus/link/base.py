@@ -133,14 +133,6 @@ class PackedEnd(Protocol):
         The recorder gets them with the next packet. Returns False when they have to be sent instead.
         """
 
-    def ask(self, packet: bytes, following: Sequence[tuple[int, bytes]]) -> None:
-        """:meth:`send_packed` of frames that end with a poll, with the polls of the same node that follow it.
-
-        The node gets them at once, so that it answers all of them in one turn; the recorder gets each where it belongs.
-
-        :param following: the identifier of the frame that ends the answer before the poll, and the poll.
-        """
-
     def receive_packed(self, timeout_s: float | None) -> bytes:
         """:meth:`Link.receive`."""
 

@@ -13,8 +13,7 @@ A write of at most PIPE_BUF bytes is atomic: frames of two writers do not mix. T
 it polls the supervisor, whose answer goes to the controller directly.
 
 The plant's telegrams have no answer, so they may go to the controller early (:meth:`PipeLink.send_early`): it reads
-them while the plant makes the next. Polls of the controller in one tick go to it together (:meth:`PipeLink.ask`): a
-turn of the other process costs more than its answer. In the record each has its place before its own answer.
+them while the plant makes the next.
 
 The pipes have no name: only processes that inherited them can use them, and the kernel removes them with the last
 process.
@@ -26,7 +25,6 @@ import contextlib
 import fcntl
 import os
 import select
-import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, NamedTuple, cast
@@ -185,8 +183,6 @@ class PipeLink(Link):
         self._answers = ends.inboxes[0] if self._is_plant else -1
         # Frames that the record does not have yet.
         self._held = b""
-        # Polls that the controller has, but not yet the record: each belongs behind the frame with this identifier.
-        self._following: list[tuple[bytes, bytes]] = []
         self._asks: frozenset[bytes] = frozenset()
         if self._is_plant:
             self._asks = frozenset(map(pack_frame, supervisor_polls(house_contract())))
@@ -228,18 +224,6 @@ class PipeLink(Link):
             if packet[-CLASSIC_SIZE:] in self._asks:
                 self._write_record()
 
-    def ask(self, packet: bytes, following: Sequence[tuple[int, bytes]]) -> None:
-        """See :meth:`PackedEnd.ask`.
-
-        :raises BusLost: as :meth:`send_packed`.
-        """
-        together = packet + b"".join([poll for _, poll in following])
-        self._noted(packet)
-        for begin in range(0, len(together), _WRITE_BYTES):
-            self._put(self._usual[0], together[begin : begin + _WRITE_BYTES])
-        self._hold(packet)
-        self._following = [(can_id.to_bytes(4, sys.byteorder), poll) for can_id, poll in following]
-
     def send_early(self, packet: bytes) -> bool:
         """See :meth:`PackedEnd.send_early`; only while the plant is awake: then the controller has a processor of its
         own."""
@@ -268,20 +252,6 @@ class PipeLink(Link):
             self._held, packet = packet[:_WRITE_BYTES], packet[_WRITE_BYTES:]
             self._write_record()
         self._held += packet
-
-    def _hold_answers(self, packet: bytes) -> None:
-        """The controller's answers, with the polls that it already has between them."""
-        while self._following:
-            can_id, poll = self._following[0]
-            end = next((at for at in range(0, len(packet), CLASSIC_SIZE) if packet[at : at + 4] == can_id), -1)
-            if end < 0:
-                break
-            self._hold(packet[: end + CLASSIC_SIZE])
-            self._noted(poll)
-            self._hold(poll)
-            packet = packet[end + CLASSIC_SIZE :]
-            del self._following[0]
-        self._hold(packet)
 
     def _write_record(self) -> None:
         # The buffer is emptied first: a signal in the middle of writing ends the run, and its last event is recorded
@@ -320,7 +290,7 @@ class PipeLink(Link):
         for inbox, _ in ready:
             packet = self._read(inbox)
             if inbox == self._answers:
-                self._hold_answers(packet)
+                self._hold(packet)
             arrived = arrived + packet if arrived else packet
         return arrived
 

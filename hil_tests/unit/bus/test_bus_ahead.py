@@ -14,12 +14,10 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.packing import unpack_frames
 from railhil.bus.store import TrafficStore
 from railhil.dbc import wire_contract
-from railhil.wire.ato import CtlStat, NotchCmd, TrnPos, TrnSpeed
+from railhil.wire.ato import NotchCmd, TrnPos, TrnSpeed
 
 NOTCH = NotchCmd.port()
 POLL = master_frame(NOTCH.f_code, NOTCH.address)
-STATUS = CtlStat.port()
-STATUS_POLL = master_frame(STATUS.f_code, STATUS.address)
 
 
 def frames_of(telegram: Telegram) -> list[Frame]:
@@ -124,8 +122,6 @@ class PackedWay:
     def __init__(self) -> None:
         self.passed: list[Frame] = []
         self.packets: list[list[Frame]] = []
-        self.following: list[tuple[int, Frame]] = []
-        self.answers: list[list[Frame]] = []
         self.is_open = True
 
     def send_early(self, packet: bytes) -> bool:
@@ -136,15 +132,11 @@ class PackedWay:
     def send_packed(self, packet: bytes) -> None:
         self.packets.append(unpack_frames(packet))
 
-    def ask(self, packet: bytes, following: Sequence[tuple[int, bytes]]) -> None:
-        self.packets.append(unpack_frames(packet))
-        self.following = [(can_id, unpack_frames(poll)[0]) for can_id, poll in following]
-
     def receive_packed(self, timeout_s: float | None) -> bytes:
         raise NotImplementedError
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
-        return self.answers.pop(0) if self.answers else frames_of(NotchCmd(5, life=1))
+        return frames_of(NotchCmd(5, life=1))
 
     def send(self, frames: Sequence[Frame]) -> None:
         raise NotImplementedError
@@ -164,7 +156,7 @@ def packed() -> PackedWay:
 def of_packets(link: PackedWay, unread: str = "") -> Administrator:
     contract = wire_contract()
     queue = SendQueue(link, contract, packed=link, unread=unread)
-    return Administrator(link, TrafficStore([NOTCH, STATUS]), queue, lambda: 0, Pacer(), contract)
+    return Administrator(link, TrafficStore([NOTCH]), queue, lambda: 0, Pacer(), contract)
 
 
 def test_packed_telegrams_are_sent_early_and_polls_are_sent(packed: PackedWay) -> None:
@@ -199,35 +191,3 @@ def test_packed_telegrams_are_flushed(packed: PackedWay) -> None:
     administrator.queue.flush()
     administrator.queue.flush()
     assert packed.packets == [frames_of(TrnSpeed(1))]
-
-
-@pytest.mark.parametrize("together", [True, False])
-def test_polls_of_one_node_in_a_tick_go_out_together_and_each_has_its_own_answer(
-    packed: PackedWay, together: bool
-) -> None:
-    administrator = of_packets(packed)
-    first, second = frames_of(NotchCmd(7, life=2)), TelegramSource(STATUS).frames(CtlStat().encode())
-    packed.answers = [[*first, *second]] if together else [[frame] for frame in (*first, *second)]
-    assert administrator.poll(NOTCH, [STATUS])
-    assert packed.packets == [[POLL]]
-    assert packed.following == [(NOTCH.can_ids[-1], STATUS_POLL)]
-    told, _ = administrator.store.read(NotchCmd, 0)
-    assert told is not None
-    assert told.notch_256th == 7
-    assert administrator.poll(STATUS)
-    assert packed.packets == [[POLL]], "it has been polled before"
-    assert administrator.store.accepted(STATUS.name) == 1
-    assert administrator.counters == {"polls": 2}
-    packed.answers = [second]
-    assert administrator.poll(STATUS)
-    assert packed.packets == [[POLL], [STATUS_POLL]], "and only once"
-
-
-def test_a_refused_answer_to_a_poll_that_went_out_with_another_is_a_missed_one(packed: PackedWay) -> None:
-    administrator = of_packets(packed)
-    *blocks, trailer = TelegramSource(STATUS).frames(CtlStat().encode())
-    damaged = Frame(trailer.can_id, bytes((trailer.data[0] ^ 1,)) + trailer.data[1:])
-    packed.answers = [[*frames_of(NotchCmd(7, life=2)), *blocks, damaged]]
-    assert administrator.poll(NOTCH, [STATUS])
-    assert not administrator.poll(STATUS)
-    assert administrator.counters == {"polls": 2, "missed_polls": 1}

@@ -1,4 +1,4 @@
-"""What the plant writes into pipes before its turn: polls that go out together, and telegrams that are sent early."""
+"""Telegrams that the plant writes into pipes early."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.support.pipe_links import ANSWER, CLOCK, COMMAND, NODES, POLL, SUPERVISOR_POLL, heard, pipe_links
+from hil_tests.support.pipe_links import CLOCK, COMMAND, NODES, POLL, SUPERVISOR_POLL, heard, pipe_links
 from railhil.bus.frame import Frame
 from railhil.bus.link.pipes import PipeLink
-from railhil.bus.mvb import master_frame
 from railhil.bus.packing import CLASSIC_SIZE, pack_frame, pack_frames
 from railhil.bus.sent import SentFrames
 
@@ -22,39 +21,6 @@ SendEarly = Callable[[Sequence[Frame]], bool]
 def links() -> Iterator[dict[str, PipeLink]]:
     with pipe_links() as made:
         yield made
-
-
-@pytest.mark.parametrize("together", [True, False])
-def test_polls_that_go_out_together_are_recorded_each_before_its_own_answer(
-    links: dict[str, PipeLink], together: bool
-) -> None:
-    """As if each had waited for the answer to the one before, whether the answers arrive in one piece or in several."""
-    plant, controller = links["plant"], links["controller"]
-    polls = [POLL, *(master_frame(1, address) for address in (0x120, 0x130))]
-    answers = [[ANSWER], [Frame(0x120, b"\5"), Frame(0x124, b"\6")], [Frame(0x130, b"\7")]]
-    following = [(0x110, pack_frame(polls[1])), (0x124, pack_frame(polls[2]))]
-    plant.packed.ask(b"".join(pack_frames([CLOCK, POLL])), following)
-    assert controller.receive(0.0) == [CLOCK, *polls]
-    every = [frame for answer in answers for frame in answer]
-    if together:
-        controller.send(every)
-        assert plant.receive(10.0) == every
-    else:
-        for frame in every:
-            controller.send([frame])
-            assert plant.receive(10.0) == [frame]
-    plant.send([SUPERVISOR_POLL])
-    recorded = [CLOCK, polls[0], *answers[0], polls[1], *answers[1], polls[2], *answers[2], SUPERVISOR_POLL]
-    assert links["supervisor"].receive(10.0) == recorded
-    assert plant.counters["sent"] == 5
-
-
-def test_a_poll_whose_turn_never_comes_is_not_recorded(links: dict[str, PipeLink]) -> None:
-    """The controller has ended before its first answer: then the second poll would not have been sent."""
-    links["plant"].ask(pack_frame(POLL), [(0x110, pack_frame(master_frame(1, 0x120)))])
-    links["plant"].send([SUPERVISOR_POLL])
-    assert links["supervisor"].receive(10.0) == [POLL, SUPERVISOR_POLL]
-    assert links["plant"].counters["sent"] == 2
 
 
 @pytest.fixture

@@ -96,9 +96,6 @@ class Bench:
     def send_packed(self, packet: bytes) -> None:
         raise AssertionError("what the faults leave is sent as frames")
 
-    def ask(self, packet: bytes, following: Sequence[tuple[int, bytes]]) -> None:
-        raise NotImplementedError
-
     def receive_packed(self, timeout_s: float | None) -> bytes:
         raise AssertionError("what arrives passes the faults as frames")
 
