@@ -75,10 +75,10 @@ def test_all_that_is_missing_is_named_at_once_with_one_command(monkeypatch: pyte
     monkeypatch.setattr(importlib.metadata, "distribution", only_pyarrow)
     error = ModuleNotFoundError("No module named 'numba'", name="numba")
     line = str(missing_library("railhil campaign", error, "campaign", "dask", "parquet"))
-    assert line.startswith("railhil campaign: numba, dask and distributed are not installed; install them with ")
+    assert line.startswith("railhil campaign: numba, cmaes, dask and distributed are not installed; install them with ")
     assert line.count(" install ") == 2
     words = shlex.split(line.partition(" -m pip install ")[2].partition(" (the extras [campaign], [dask], ")[0])
-    assert _names(words) == ["dask", "distributed", "numba"]
+    assert _names(words) == ["cmaes", "dask", "distributed", "numba"]
 
 
 @pytest.mark.parametrize("name", ["railhil", "railhil panel"])
