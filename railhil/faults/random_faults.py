@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from railhil.faults.language import fault_text
+from railhil.faults.language import fault_text, parse
 from railhil.faults.model import (
     COUNT,
     LENGTH,
@@ -132,6 +132,23 @@ def random_fault(
     return Fault(Place(level, name, part), word.name, trigger, values, duration_s=duration_s, count=count, combine=True)
 
 
+def can_act(fault: Fault, others: Sequence[Fault]) -> bool:
+    """Whether a fault can change something beside others that begin before it.
+
+    It cannot if it puts a port in the place of itself, or if the same fault is at the same place already.
+    """
+    if fault.what == "masquerade" and fault.values.get("port") == fault.place.name:
+        return False
+    same = [one for one in others if (one.place, one.what, one.values) == (fault.place, fault.what, fault.values)]
+    return not any(_is_active_at(one, fault.trigger) for one in same)
+
+
+def _is_active_at(fault: Fault, trigger: Trigger) -> bool:
+    """Whether a drawn fault without a count is still active at the instant of a trigger."""
+    end_s = None if fault.duration_s is None else float(fault.trigger.value) + fault.duration_s
+    return fault.count is None and (end_s is None or end_s > float(trigger.value))
+
+
 def random_faults(
     chance: random.Random,
     begin_s: float,
@@ -153,8 +170,9 @@ def random_faults(
     found: list[str] = []
     while len(found) < count and tries != 0:
         tries = None if tries is None else tries - 1
-        text = fault_text(random_fault(chance, begin_s, ports, sent, words))
-        if is_possible(text):
+        fault = random_fault(chance, begin_s, ports, sent, words)
+        text = fault_text(fault)
+        if is_possible(text) and can_act(parse(text), [*map(parse, found)]):
             found.append(text)
             begin_s += apart_s()
     return found

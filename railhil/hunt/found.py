@@ -73,7 +73,7 @@ def shrink_case(task: ShrinkTask) -> Least:
 
     def violates(faults: tuple[str, ...], seed: int) -> bool:
         found = runs[faults, seed] = run_case(task.base, task.requirements, faults, seed)
-        return task.requirement in found.violated
+        return task.requirement in found.violated and not found.idle
 
     if task.shrinks and violates((), task.seed):
         # No fault is needed: nothing is to be learned from those of the case.

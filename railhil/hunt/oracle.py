@@ -2,7 +2,8 @@
 
 What is judged: the requirements of the hunt; the rules that hold in every run (failures of the score that begin with
 ``invariant``), each as the requirement ``INV-n``; and a defect of the bench itself (a run that ends with an error), as
-``BENCH``. A run that is INVALID is not judged.
+``BENCH``. A run that is INVALID is not judged, except for one reason: some of its faults changed nothing, and others
+acted. Such a run says what the others do.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import TOOL_ERROR
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.judge.events.event import LEVEL, REFUSED, RecordedEvent
 from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.requirements.outcome import Outcome, judge_requirements
@@ -39,7 +40,7 @@ REFUSED_CASE, NONE = "refused", "none"
 class Judged:
     """What came of a case. ``violated``: id of a requirement -> sentence; ``outcomes``: of the requirements, in their
     order; ``cells``: combinations of watch, level, cause and phase of the journey that the run reached; ``detail``: why
-    there is no verdict."""
+    there is no verdict; ``idle``: places in the case of the faults that changed nothing, while others acted."""
 
     verdict: str
     violated: Mapping[str, str] = field(default_factory=dict)
@@ -47,6 +48,7 @@ class Judged:
     cells: tuple[str, ...] = ()
     frames_sha256: str = ""
     detail: str = ""
+    idle: tuple[int, ...] = ()
 
     @property
     def is_valid(self) -> bool:
@@ -87,8 +89,22 @@ def _said(outcome: Outcome) -> str:
     return f"{outcome.says}{margin}{instant}"
 
 
+def _idle(result: Result) -> tuple[int, ...]:
+    """Places of the faults that changed nothing, if that is the only reason against the run and others acted."""
+    if result.exit_code != INVALID or result.line != result.missed or not any(one.hits for one in result.faults):
+        return ()
+    own = len(result.scenario.faults) - len(result.spec.faults)
+    places = tuple(one.number - 1 - own for one in result.faults if one.missed)
+    # The scenario's own faults stay: without them it is another scenario.
+    return places if all(place >= 0 for place in places) else ()
+
+
 def judge_result(result: Result, requirements: Sequence[Requirement] = ()) -> Judged:
     """What a run violates."""
+    if idle := _idle(result):
+        code = {"PASS": PASS, "FAIL": FAIL}[result.score.verdict]
+        acted = replace(result, exit_code=code, line="; ".join(result.score.failures))
+        return replace(judge_result(acted, requirements), idle=idle)
     verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
     cells = _cells(result.events, result.scenario.planned_s)
     found = Judged(verdict, cells=cells, frames_sha256=result.frames_sha256)

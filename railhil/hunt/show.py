@@ -35,8 +35,10 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     yield f"{summary['scenario']}, {law.controller} {law.arithmetic}, {what}; seed {summary['seed']}"
     last = summary["last_new_cell"]
     new = "" if last is None else f", the last new one in case {last}"
+    idle = summary["with_idle_faults"]
+    without = f", in {idle:,} of them not every fault acted" if idle else ""
     yield (
-        f"{count_of(summary['runs'], 'run', spec=',')} ({summary['valid']:,} valid); "
+        f"{count_of(summary['runs'], 'run', spec=',')} ({summary['valid']:,} valid{without}); "
         f"{count_of(len(summary['cells']), 'cell')} of level, cause and phase reached{new}"
     )
     for one in summary["requirements"]:

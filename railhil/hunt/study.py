@@ -41,7 +41,9 @@ SCHEMA = pa.schema(
         pa.field("number", pa.int64(), nullable=False),
         pa.field("strategy", pa.string(), nullable=False),
         pa.field("seed", pa.int64(), nullable=False),
+        # The faults that acted, and those of the case that changed nothing.
         pa.field("faults", _TEXTS, nullable=False),
+        pa.field("idle", _TEXTS, nullable=False),
         pa.field("verdict", pa.string(), nullable=False),
         # Ids of the violated requirements, and a sentence for each.
         pa.field("violated", _TEXTS, nullable=False),
@@ -56,13 +58,22 @@ SCHEMA = pa.schema(
 
 
 def case_row(base: RunSpec, requirements: Sequence[Requirement], case: HuntCase) -> dict[str, Any]:
-    """The row of a case, whose run is made."""
+    """The row of a case, whose run is made.
+
+    If some of its faults changed nothing and it violates something, it is run again without them: what is violated is
+    that of a valid run with the faults of the row.
+    """
     found = run_case(base, requirements, case.faults, case.seed)
+    idle = [case.faults[place] for place in found.idle]
+    acted = tuple(text for place, text in enumerate(case.faults) if place not in found.idle)
+    if idle and found.violated:
+        found = run_case(base, requirements, acted, case.seed)
     return {
         "number": case.number,
         "strategy": case.strategy,
         "seed": case.seed,
-        "faults": list(case.faults),
+        "faults": list(acted),
+        "idle": idle,
         "verdict": found.verdict,
         "violated": list(found.violated),
         "said": list(found.violated.values()),
@@ -117,6 +128,7 @@ def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
         "seed": plan.request.seed,
         "runs": len(rows),
         "valid": len(valid),
+        "with_idle_faults": sum(bool(one["idle"]) for one in valid),
         "verdicts": dict(sorted(Counter(one["verdict"] for one in rows).items())),
         "requirements": _requirements(plan, rows, len(valid)),
         "strategies": _strategies(rows),

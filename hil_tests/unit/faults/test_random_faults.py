@@ -9,7 +9,7 @@ import pytest
 from railhil.common.errors import InputError
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
-from railhil.faults.random_faults import DURATIONS_S, Sent, random_pair
+from railhil.faults.random_faults import DURATIONS_S, Sent, can_act, random_pair
 
 HORIZON_S = 42.0
 PORTS = {"TRN_SPEED": ["TrainSpeed"], "TIME_SYNC": ["TimeSeconds"], "NOTCH_SDT": ["SafeNotch"], "BALISE": ["BaliseId"]}
@@ -73,3 +73,26 @@ def test_values_are_such_as_change_something() -> None:
             assert fault.duration_s is None
         if fault.place.level == "clock" and fault.duration_s is not None:
             assert fault.duration_s >= 1.28
+
+
+@pytest.mark.parametrize(
+    ("text", "others", "can"),
+    [
+        ("time stuck @5s", ["time stuck @4s for 2s"], False),
+        ("time stuck @5s", ["time stuck @4s for 1s"], True),
+        ("time stuck @5s", ["time stuck @4s"], False),
+        ("TRN_SPEED loss @5s", ["TRN_SPEED loss @4s x5"], True),
+        ("TRN_SPEED loss 50% @5s", ["TRN_SPEED loss @4s"], True),
+        ("speed stuck @5s", ["position stuck @4s"], True),
+        ("TRN_POS masquerade TRN_POS @5s", [], False),
+        ("TRN_POS masquerade TRN_SPEED @5s", [], True),
+    ],
+)
+def test_a_fault_in_the_place_of_the_same_one_cannot_act(text: str, others: list[str], can: bool) -> None:
+    assert can_act(parse(text), [parse(one) for one in others]) == can
+
+
+def test_no_pair_puts_a_port_in_its_own_place() -> None:
+    masked = [fault for faults in pairs() for fault in faults if fault.what == "masquerade"]
+    assert masked
+    assert all(fault.values["port"] != fault.place.name for fault in masked)

@@ -35,7 +35,8 @@ SENT = {"TRN_SPEED": Sent(0.0, 42.0, 0.01), "TRN_POS": Sent(0.0, 42.0, 0.02)}
 @dataclass
 class MadeUpBench:
     """Stands for the runs: a fault of TRN_SPEED of 50 ms or more breaks rule 4. ``fails``: raised by a run with a fault
-    at a place; ``invalid``: every run is; ``always``: what every run violates."""
+    at a place; ``invalid``: every run is; ``always``: what every run violates. A fault of TRN_POS does nothing beside
+    others."""
 
     fails: str = ""
     invalid: bool = False
@@ -55,7 +56,10 @@ class MadeUpBench:
         speed = [parse(text) for text in texts if text.startswith("TRN_SPEED")]
         long = [one for one in speed if one.count is None and (one.duration_s or 42.0) >= 0.05]
         violated = {"INV-4": "made up"} if long else {self.always: "made up"} if self.always else {}
-        return Judged("FAIL" if violated else "PASS", violated, cells=(f"cell {len(texts)}",), frames_sha256=digest)
+        idle = tuple(place for place, text in enumerate(texts) if text.startswith("TRN_POS"))
+        cells = (f"cell {len(texts)}",)
+        idle = idle if len(idle) < len(texts) else ()
+        return Judged("FAIL" if violated else "PASS", violated, cells=cells, frames_sha256=digest, idle=idle)
 
 
 @pytest.fixture
@@ -119,6 +123,20 @@ def test_a_planted_defect_is_found_shrunk_and_repeated_by_its_file(bench: MadeUp
     told = list(lines(made_plan, made.summary, made.folder))
     assert any(line.startswith("INV-4  VIOLATED in ") for line in told)
     assert told[-1] == "FAIL: INV-4 violated. Not found is not absence: 40 runs with this seed."
+
+
+def test_faults_that_changed_nothing_are_left_out_of_a_case_that_violates(bench: MadeUpBench, tmp_path: Path) -> None:
+    made_plan, made = hunt(tmp_path / "a", no_shrink=True)
+    rows = [json.loads(line) for line in (tmp_path / "a/cases.jsonl").read_text().splitlines()]
+    with_idle = [one for one in rows if one["idle"]]
+    assert made.summary["with_idle_faults"] == len(with_idle) > 0
+    assert any(one["violated"] for one in with_idle)
+    for one in with_idle:
+        assert {text.split()[0].split(".")[0] for text in one["idle"]} == {"TRN_POS"}
+        assert not {*one["idle"]} & {*one["faults"]}
+        if one["violated"]:
+            assert one["frames_sha256"] == bench.run_case(made_plan.base, (), one["faults"], one["seed"]).frames_sha256
+    assert f"in {len(with_idle)} of them not every fault acted" in list(lines(made_plan, made.summary, made.folder))[1]
 
 
 def test_what_is_violated_without_any_fault_is_said_so(bench: MadeUpBench, tmp_path: Path) -> None:
@@ -197,6 +215,20 @@ def test_an_exception_in_a_run_is_told_with_its_place(monkeypatch: pytest.Monkey
     found = oracle.run_case(RunSpec(bus="local"), (), (), 0)
     assert found.verdict == "TOOL ERROR"
     assert found.violated == {BENCH: "ZeroDivisionError: planted (in fail of test_hunt.py)"}
+
+
+def test_a_run_is_judged_by_the_faults_that_acted(short: Path) -> None:
+    base, acts, idle = (
+        RunSpec(str(short / "short.toml"), bus="local"),
+        "TRN_SPEED loss @1s for 200ms combine",
+        ("balise missed only 9 @1s combine"),
+    )
+    found = oracle.run_case(base, (), (idle, acts), 0)
+    alone = oracle.run_case(base, (), (acts,), 0)
+    assert (found.verdict, found.idle, found.cells) == (alone.verdict, (0,), alone.cells)
+    assert alone.idle == ()
+    nothing = oracle.run_case(base, (), (idle,), 0)
+    assert (nothing.verdict, nothing.is_valid, nothing.idle) == ("INVALID", False, ())
 
 
 @pytest.fixture(scope="module")
