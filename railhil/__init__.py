@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from railhil.common.errors import InputError
+    from railhil.hunt.outcome import HuntOutcome, hunt
     from railhil.library import (
         CampaignOutcome,
         Comparison,
@@ -37,10 +38,11 @@ if __name__ == "railhil" and os.path.isfile(os.path.join(_TOP, "pyproject.toml")
 if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
     import_module("railhil.pure").use_sources()
 
-#: Name -> module and name there. ``campaign`` and ``run`` are packages of these names, which can be called.
+#: Name -> module and name there. ``campaign``, ``hunt`` and ``run`` are packages of these names, which can be called.
 _PLACES = {
     "CampaignOutcome": ("railhil.library", "CampaignOutcome"),
     "Comparison": ("railhil.library", "Comparison"),
+    "HuntOutcome": ("railhil.hunt.outcome", "HuntOutcome"),
     "InputError": ("railhil.common.errors", "InputError"),
     "LawSpec": ("railhil.scenarios.run_spec", "LawSpec"),
     "Outcome": ("railhil.library", "Outcome"),
@@ -55,6 +57,7 @@ _PLACES = {
 __all__ = [
     "CampaignOutcome",
     "Comparison",
+    "HuntOutcome",
     "InputError",
     "LawSpec",
     "Outcome",
@@ -64,6 +67,7 @@ __all__ = [
     "branch",
     "campaign",
     "compare",
+    "hunt",
     "load_scenario",
     "open_run",
     "run",
@@ -71,7 +75,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("campaign", "run"):
+    if name in ("campaign", "hunt", "run"):
         return import_module(f"railhil.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,7 +5,6 @@ The functions work like the commands: the same folders, hashes and verdicts.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,12 +12,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from railhil.charts.notebook import html_cell, html_paragraph, html_table, text_table
 from railhil.common.command_line import RATE, RATE_MAX, RATE_MIN, USUAL_SCENARIO
 from railhil.common.errors import InputError, Sentence, Words, did_you_mean
-from railhil.common.library_call import PATH, PATH_OR_NONE, TEXTS, Kind, are_paths, are_texts, is_path, library_call
+from railhil.common.library_call import (
+    FILES,
+    JOBS,
+    PATH,
+    PATH_OR_NONE,
+    TEXTS,
+    Kind,
+    are_paths,
+    are_texts,
+    is_path,
+    library_call,
+)
 from railhil.judge.criteria import Criterion
 from railhil.judge.events.event import RecordedEvent
 from railhil.judge.judging import Judging
@@ -31,6 +40,7 @@ from railhil.report.tables import better_sentence, rows
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded
 from railhil.run.spec import (
+    Files,
     Laws,
     Parameters,
     Settings,
@@ -93,7 +103,7 @@ def _is_run(value: Any) -> bool:
         ),
         "settings": _SETTINGS,
         "faults": TEXTS,
-        "requirements": TEXTS,
+        "requirements": FILES,
         "rate": Kind(
             f"a number from {RATE_MIN:g} to {RATE_MAX:g}",
             lambda value: isinstance(value, int | float) and RATE_MIN <= value <= RATE_MAX,
@@ -121,7 +131,7 @@ def run(
     rate: float = RATE,
     bus: str = "local",
     memory: str | Path | None = None,
-    requirements: Texts = (),
+    requirements: Files = (),
     no_controller: bool = False,
     out: str | Path | None = None,
 ) -> Outcome:
@@ -145,7 +155,8 @@ def run(
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
     :param memory: folder with the law's memory from run to run: read at the beginning, updated after a valid run.
-    :param requirements: files of sentences that judge the run, or names of systems; ``score.requirements`` has them.
+    :param requirements: files of sentences that judge the run, or names of systems; ``requirements`` of the result has
+        what became of each.
     :param no_controller: the controller is a board or another program on the bus.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
@@ -323,7 +334,7 @@ class CampaignOutcome:
         "scenario": PATH,
         "parameters": Kind("a file or a list of files", are_paths),
         "settings": _SETTINGS,
-        "jobs": Kind("a whole number from 1, or -1", lambda value: type(value) is int and (value >= 1 or value == -1)),
+        "jobs": JOBS,
         "out": PATH_OR_NONE,
     },
     {**_NAMES, "first_seed": "seed"},
@@ -367,8 +378,7 @@ def campaign(
     from railhil.batch import say_compiling
     from railhil.campaign.plan import Request, make_plan
     from railhil.campaign.study import CAMPAIGN
-    from railhil.study.engines import running
-    from railhil.study.execute import execute
+    from railhil.study.call import make_study, say
     from railhil.study.manifest import checked_request
     from railhil.study.perturbed_runs import how_made
 
@@ -387,14 +397,9 @@ def campaign(
         allow_training_seeds=allow_training_seeds,
     )
     plan = make_plan(checked_request(CAMPAIGN, request, Path("railhil.campaign")), code)
-
-    def say(sentence: str) -> None:
-        print(sentence, file=sys.stderr)
-
     _, kernel = how_made(plan.scenario, [entry.law for entry in plan.entries])
     if kernel is not None:
         need("numba", "campaign")
         say_compiling(say, kernel)
-    with running("processes", say, None if jobs == -1 else jobs) as engine:
-        made = execute(CAMPAIGN, plan, None if out is None else str(out), Console(quiet=True), engine, say)
+    made = make_study(CAMPAIGN, plan, jobs, out)
     return CampaignOutcome(made.folder, made.summary, plan.judging)

@@ -45,6 +45,9 @@ def are_paths(value: Any) -> bool:
 PATH = Kind("a text or a path", is_path)
 PATH_OR_NONE = Kind("a text, a path or None", lambda value: value is None or is_path(value))
 TEXTS = Kind("a text or a list of texts", are_texts)
+FILES = Kind("a file, a name or a list of them", are_paths)
+#: Processes; -1: one for each processor.
+JOBS = Kind("a whole number from 1, or -1", lambda value: type(value) is int and (value >= 1 or value == -1))
 
 
 def library_call(

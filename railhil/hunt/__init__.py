@@ -8,7 +8,25 @@
     study.py     the hunt as a study: rows, summary, runs made again
     shrink.py    from a case that violates a requirement to a smaller one that violates the same
     found.py     the least cases as scenario files, each run again from its file
-    show.py      what is printed
+    show.py      what is printed; report.py: the page
+    outcome.py   ``railhil.hunt``, the same as a function
 
 Folder, lock, parts, shards, engines, resuming and ``--verify`` are those of :mod:`railhil.study`.
 """
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from railhil.common.callable_package import CallablePackage
+
+
+def _function() -> Callable[..., Any]:
+    from railhil.hunt.outcome import hunt
+
+    return hunt
+
+
+sys.modules[__name__].__class__ = CallablePackage

@@ -33,22 +33,38 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     many = f"{count_of(len(plan.requirements), 'requirement')} and " if plan.requirements else ""
     what = f"{many}the rules of every run"
     yield f"{summary['scenario']}, {law.controller} {law.arithmetic}, {what}; seed {summary['seed']}"
+    yield headline(summary)
+    for one in summary["requirements"]:
+        yield requirement_line(one)
+        for least in (case for case in summary["found"] if case["id"] == one["id"]):
+            yield from _least(least, folder, _sentences(plan, one["id"]))
+    yield verdict_line(summary)
+
+
+def summary_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """What was found, without the least cases."""
+    yield headline(summary)
+    yield from map(requirement_line, summary["requirements"])
+    yield verdict_line(summary)
+
+
+def headline(summary: Mapping[str, Any]) -> str:
+    """Runs and cells, in a line."""
     last = summary["last_new_cell"]
     new = "" if last is None else f", the last new one in case {last}"
     idle = summary["with_idle_faults"]
     without = f", in {idle:,} of them not every fault acted" if idle else ""
-    yield (
+    return (
         f"{count_of(summary['runs'], 'run', spec=',')} ({summary['valid']:,} valid{without}); "
         f"{count_of(len(summary['cells']), 'cell')} of level, cause and phase reached{new}"
     )
-    for one in summary["requirements"]:
-        if one["verdict"] != "violated":
-            yield _kept(one)
-            continue
-        yield f"{one['id']}  VIOLATED in {count_of(one['violations'], 'run')}: {one['said']}"
-        for least in (case for case in summary["found"] if case["id"] == one["id"]):
-            yield from _least(least, folder, _sentences(plan, one["id"]))
-    yield _verdict(summary)
+
+
+def requirement_line(one: Mapping[str, Any]) -> str:
+    """What was found of a requirement."""
+    if one["verdict"] != "violated":
+        return _kept(one)
+    return f"{one['id']}  VIOLATED in {count_of(one['violations'], 'run')}: {one['said']}"
 
 
 def _kept(one: Mapping[str, Any]) -> str:
@@ -93,7 +109,8 @@ def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
 
 
-def _verdict(summary: Mapping[str, Any]) -> str:
+def verdict_line(summary: Mapping[str, Any]) -> str:
+    """The result in a line."""
     runs = f"{count_of(summary['runs'], 'run', spec=',')} with this seed"
     found = [one["id"] for one in summary["requirements"] if one["verdict"] == "violated"]
     if not found:

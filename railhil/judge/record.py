@@ -7,7 +7,7 @@ from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError, recorded_contract
@@ -34,6 +34,9 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import SCENARIO, any_judged_sha256, find_earlier_scenario, read_scenario
 from railhil.scenarios.settings import required
 from railhil.scenarios.system import System
+
+if TYPE_CHECKING:
+    from railhil.judge.requirements.outcome import Outcome as RequirementOutcome
 
 #: A curve needs two points.
 _POINTS_MIN = 2
@@ -178,6 +181,11 @@ class Record:
     def stops(self) -> tuple[ScoredStop, ...]:
         """The stops that the scenario plans, in their order, each with what the run made of it."""
         return self.score.stops
+
+    @property
+    def requirements(self) -> Mapping[str, RequirementOutcome]:
+        """What the run made of each sentence that it is judged by, by id."""
+        return {one.id: one for one in self.score.requirements}
 
     @property
     def notes(self) -> tuple[str, ...]:

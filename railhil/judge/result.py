@@ -97,11 +97,13 @@ class Result:
     arithmetic: Counters | None = None
 
     def as_record(self) -> Record:
-        """The run for readers of records; its certificate has the description of the run alone."""
+        """The run for readers of records; its certificate has its description, faults and notes alone."""
         from railhil.judge.record import Record
 
         folder = self.folder or Path()
-        found = Record(folder / LOG_NAME, self.scenario, self.trace, self.invalid, self.spec.as_json())
+        certificate = {**self.spec.as_json(), "injected": [one.as_json() for one in self.faults]}
+        certificate["notes"] = None if self.notes is None else [note.as_json() for note in self.notes]
+        found = Record(folder / LOG_NAME, self.scenario, self.trace, self.invalid, certificate)
         return found.copy_with(score=self.score, events=self.events)
 
     def __repr__(self) -> str:

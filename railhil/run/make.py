@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
@@ -173,21 +173,16 @@ def complete(result: Result) -> None:
         code = INVALID if expected.verdict == "INVALID" else FAIL
         result.score, result.exit_code, result.line = expected, code, "; ".join(expected.failures)
     if result.spec.requirements:
-        _judge_requirements(result, injected)
+        _judge_requirements(result)
 
 
-def _judge_requirements(result: Result, injected: list[dict[str, Any]]) -> None:
+def _judge_requirements(result: Result) -> None:
     """Complete a result with the outcomes of its requirements: a violated one is a FAIL."""
     # A run without requirements does not load their language.
     from railhil.judge.requirements.outcome import with_requirements
     from railhil.judge.requirements.requirement import requirements_of
 
-    record = result.as_record()
-    notes = None if result.notes is None else [note.as_json() for note in result.notes]
-    record = record.copy_with(
-        certificate={**record.certificate, "injected": injected, "notes": notes}, score=result.score
-    )
-    result.score = with_requirements(record, requirements_of(result.spec, result.scenario))
+    result.score = with_requirements(result.as_record(), requirements_of(result.spec, result.scenario))
     if result.trusted and any(one.violated for one in result.score.requirements):
         result.exit_code, result.line = FAIL, "; ".join(result.score.failures)
 

@@ -25,6 +25,8 @@ from railhil.scenarios.settings import REQUIREMENTS, SET, normalise_setting
 
 #: One text or several.
 Texts = str | Sequence[str]
+#: A file or the name of what ships as one; one or several.
+Files = str | Path | Sequence[str | Path]
 #: Scenario keys to set: a mapping, or ``KEY=VALUE`` as on the command line.
 Settings = Mapping[str, Any] | Texts
 #: A file, parameters read from one, or values of the law's parameters by name.
@@ -161,12 +163,12 @@ def _toml_value(key: str, value: Any) -> str:
         raise InputError(SET, key, value, "a number, a text, true or false, or a list of them") from None
 
 
-def texts_of(given: Texts) -> tuple[str, ...]:
+def texts_of(given: Files) -> tuple[str, ...]:
     """The texts; a single one counts as one, not as its letters."""
-    return (given,) if isinstance(given, str) else tuple(given)
+    return (str(given),) if isinstance(given, str | Path) else tuple(map(str, given))
 
 
-def with_requirements(spec: RunSpec, words: Texts) -> RunSpec:
+def with_requirements(spec: RunSpec, words: Files) -> RunSpec:
     """The run, judged by further requirements: those of files, or of systems by their names.
 
     :raises InputError: a file cannot be read, or is wrong.

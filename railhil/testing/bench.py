@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railhil import library
 from railhil.common.command_line import USUAL_SCENARIO
@@ -20,6 +20,11 @@ from railhil.testing.live import Live
 from railhil.testing.result import Run
 from railhil.testing.settings import Settings
 
+if TYPE_CHECKING:
+    from railhil.hunt.outcome import HuntOutcome
+
+#: Arguments of a run that a hunt takes, too.
+_HUNTED = ("scenario", "controller", "arithmetic", "settings")
 _USUAL: Mapping[str, Any] = {
     "controller": None,
     "arithmetic": None,
@@ -45,6 +50,8 @@ class Bench:
         self.settings = settings
         #: Finished runs of this test, in their order.
         self.runs: list[Run] = []
+        #: Finished hunts of this test, in their order.
+        self.hunts: list[HuntOutcome] = []
         self._usual = usual
         self._beside = beside
         self._folder = runs
@@ -80,6 +87,43 @@ class Bench:
         live = Live(made, scenario, folder, self.runs.append)
         self._live.append(live)
         return live
+
+    def hunt(
+        self,
+        *,
+        runs: int = 200,
+        seed: int = 0,
+        requirements: str | Path | Sequence[str | Path] = (),
+        only: str | Sequence[str] = (),
+        strategy: str = "auto",
+        jobs: int = 1,
+        **spec: Any,
+    ) -> HuntOutcome:
+        """A search for faults that violate a requirement, always in processes of this machine.
+
+        :param requirements: files, also those beside the test's file, or names of systems; the rules of every run are
+            always searched for. Further arguments are those of :func:`railhil.hunt`.
+        :param spec: ``scenario``, ``controller``, ``arithmetic``, ``settings``; they override the marker ``railhil``.
+        :raises InputError: an argument is not allowed, or the controller is a board or another program.
+        """
+        from railhil.hunt.outcome import hunt
+
+        given = self._given(seed, False, spec)
+        for name in ("target", "no_controller"):
+            if getattr(self.settings, name):
+                allowed = "a session whose controller is railhil's: a hunt makes its runs in this machine"
+                raise InputError("bench.hunt", name.replace("_", "-"), getattr(self.settings, name), allowed)
+        for name, usual in _USUAL.items():
+            if name not in _HUNTED and given[name] != usual:
+                raise InputError("bench.hunt", name, given[name], f"only {', '.join(_HUNTED)} of a run's arguments")
+        files = [requirements] if isinstance(requirements, str | Path) else requirements
+        beside = [self._beside / name if (self._beside / name).is_file() else name for name in files]
+        found = hunt(
+            **{name: given[name] for name in _HUNTED}, requirements=beside, only=only, runs=runs, seed=seed,
+            strategy=strategy, jobs=jobs, out=self._new_folder(),
+        )  # fmt: skip
+        self.hunts.append(found)
+        return found
 
     def _on_target(self, spec: RunSpec) -> RunSpec:
         """The run with its law, or its C controller, on the target of the session."""
@@ -148,14 +192,22 @@ class Bench:
                 "certificate": run.folder / CERTIFICATE,
             }
             found += [(name + end, str(value)) for name, value in facts.items() if value != ""]
+        for number, hunt in enumerate(self.hunts, 1):
+            end = "" if number == 1 else f".{number}"
+            found += [(f"hunt{end}", repr(hunt))]
+            found += [(f"hunt{end}.frames_sha256", case.frames_sha256) for case in hunt.cases]
         return found
 
     def reported(self, note: str) -> list[str]:
-        """Write the report of each run, for a test that has failed; lines that attach it to the test in a CI server.
+        """Write the report of each run, for a test that has failed; lines that attach it, and the least cases and the
+        page of each hunt, to the test in a CI server.
 
         :param note: sentence in each report.
         """
         lines = []
+        for hunt in self.hunts:
+            files = [case.file for case in hunt.cases]
+            lines += [repr(hunt), *(f"[[ATTACHMENT|{path.resolve()}]]" for path in (*files, hunt.folder / REPORT))]
         for run in self.runs:
             lines.append(f"run folder {run.folder}: {run.verdict} {'; '.join(run.reasons)}".rstrip())
             line = report_line([run.outcome], run.folder, [note])
