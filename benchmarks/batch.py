@@ -13,6 +13,7 @@ from benchmarks.figures import Figure, MeasurementError, Setting
 from railhil.batch import Case
 from railhil.bench import direct_run
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.streams import chain_of
 from railhil.systems.ato.batch import CHUNK, lanes, run_batch
 from railhil.systems.ato.batch.engine import Engine
 from railhil.systems.ato.batch.kernel import run_period
@@ -47,7 +48,7 @@ def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
     chunk = engine.run(seeds)
     passes = range(setting.count(3, 1))
     fleets = [trains(setting.scenario, seeds, True, times, len(engine.grid.counts)) for _ in passes]
-    noise = standard_noise(seeds, times.steps)
+    noise = standard_noise(list(map(chain_of, seeds)), times.steps)
     codes = chunk.codes.astype(np.int64)
     periods = list(zip(times.steps.tolist(), times.ends.tolist(), strict=True))
 
@@ -58,7 +59,7 @@ def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
             run_period(engine.common, fleet.tables, codes[i], noise[i], tick, end)
 
     def draws(number: int) -> None:
-        standard_noise([(number + 1) * 1_000_000 + seed for seed in seeds], times.steps)
+        standard_noise([chain_of((number + 1) * 1_000_000 + seed) for seed in seeds], times.steps)
 
     parts = {
         "plant and sums of the score": _best_s(passes, plant),

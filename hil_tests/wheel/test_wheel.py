@@ -50,8 +50,8 @@ import numpy as np
 from railhil.batch.compiled import FUNCTIONS
 from railhil.systems.ato.batch.noise import standard_noise
 from railhil.scenarios import streams
-from railhil.scenarios.streams import key_of, normals
-found = standard_noise([3], np.arange(99))[:, 0]
+from railhil.scenarios.streams import chain_of, key_of, normals
+found = standard_noise([chain_of(3)], np.arange(99))[:, 0]
 same = found.tolist() == normals(key_of(3, streams.AXLE_NOISE), 0, 99).tolist()
 print(same and any(kept.is_there for kept in FUNCTIONS))
 """

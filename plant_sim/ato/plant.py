@@ -110,7 +110,7 @@ class Plant(PlantReadings):
         self._applied = 0.0
         self._enter(scenario.line)
 
-        self._sensors = AxleSensors(scenario.sensors, seed)
+        self._sensors = AxleSensors(scenario.sensors, seed, noise=scenario.noise)
         self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
         # The balise under the waiting train was read when it arrived.
         while self._balises and self._balises[0].true_m <= 0.0:

@@ -15,7 +15,7 @@ from railhil.plant_sim.ato import dynamics, forces
 from railhil.plant_sim.ato.dynamics import Motion, Window
 from railhil.plant_sim.ato.train_watch import TrainWatch
 from railhil.scenarios import streams
-from railhil.scenarios.streams import key_of, normals
+from railhil.scenarios.streams import Chain, chain_normals, chain_of, keys_of
 from railhil.systems.ato.scenario.model import Sensors, Train
 from railhil.wire.ato import WatchLevel
 
@@ -40,11 +40,13 @@ class AxleSensors:
     """Readings of one run. Each tick has its own speed noise, independent of the number of readings.
 
     :param stream: of the noise; another axle of the train has its own.
+    :param noise: the sequences whose sum the noise is; empty: that of the seed.
+    :raises ValueError: a negative seed.
     """
 
-    def __init__(self, sensors: Sensors, seed: int, stream: int = streams.AXLE_NOISE) -> None:
+    def __init__(self, sensors: Sensors, seed: int, stream: int = streams.AXLE_NOISE, noise: Chain = ()) -> None:
         self.sensors = sensors
-        self._key = key_of(seed, stream)
+        self._keyed = keys_of(chain_of(seed, noise), stream)
         self._first_tick = 0
         self._block_mps: list[float] = []
 
@@ -59,7 +61,7 @@ class AxleSensors:
         if not 0 <= index < len(self._block_mps):
             index = tick % _NOISE_BLOCK
             self._first_tick = tick - index
-            draws = normals(self._key, self._first_tick, _NOISE_BLOCK)
+            draws = chain_normals(self._keyed, self._first_tick, _NOISE_BLOCK)
             self._block_mps = (draws * self.sensors.speed_noise_sigma_mps).tolist()
         return self._block_mps[index]
 

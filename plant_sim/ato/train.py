@@ -14,7 +14,7 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.ato.safe_command import SafeCommand
 from railhil.plant_sim.ato.telegrams import TrainTelegrams
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturb
+from railhil.systems.ato.scenario.perturb import find_actual
 from railhil.wire.ato import CtlStat, NotchCmd, NotchSdt, WatchCause
 
 
@@ -29,7 +29,7 @@ class TrainOnBus(Plant):
     statuses: Sequence[str] = (CtlStat.PORT,)
 
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
-        actual = perturb(scenario, seed) if drawn else scenario
+        actual = find_actual(scenario, seed, drawn)
         super().__init__(actual, seed)
         self.gate = CommandGate(
             round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH),

@@ -249,6 +249,12 @@ def _settings(certificate: dict[str, Any]) -> str:
     return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
 
 
+def _plant(certificate: dict[str, Any], scenario: Any) -> str:
+    if getattr(scenario, "draws", ()):
+        return "drawn with the numbers of the scenario (draws)"
+    return "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"
+
+
 def facts_of(run: Record) -> list[tuple[str, str]]:
     """All facts of one run, in reading order."""
     certificate, scenario, document = run.certificate, run.scenario, run.score_document
@@ -268,7 +274,7 @@ def facts_of(run: Record) -> list[tuple[str, str]]:
         ("Arithmetic", said("arithmetic") + (f" (profile {profile})" if profile else "")),
         ("Set-point over", said("indexing")),
         ("Seed", said("seed")),
-        ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
+        ("Plant", _plant(certificate, scenario)),
         *own[1:],
         ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
         ("Pacing", said("pace")),

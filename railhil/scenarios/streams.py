@@ -14,8 +14,8 @@ places by numpy, the batch single places (:mod:`railhil.common.compilable`): sam
 from __future__ import annotations
 
 from functools import lru_cache
-from math import log, sqrt
-from typing import Any
+from math import erfc, log, sqrt
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,10 @@ AXLE_NOISE = 24
 #: Disturbances of the dwell at the stops of a line, mass of the train in each section, noise of the train protection's
 #: own axle sensor, and of the docking loop.
 DWELL, SECTION_LOAD, PROTECTION_NOISE, DOCKING = 25, 26, 27, 28
+
+#: Counted normal numbers as a sum: for each of its sequences the seed and the coefficient, in the order of summation.
+#: With coefficients whose squares add up to 1 the sums are standard normal numbers, too.
+Chain: TypeAlias = tuple[tuple[int, float], ...]
 
 #: Largest word of a ``SeedSequence``.
 _WORD_MAX = 2**32 - 1
@@ -216,3 +220,34 @@ def normals(key: int, first: int, count: int) -> NDArray[np.float64]:
     for place in np.flatnonzero(abs(q) > _MIDDLE).tolist():
         numbers[place] = far(float(q[place]))
     return numbers
+
+
+def chain_of(seed: int, given: Chain = ()) -> Chain:
+    """The chain of a run: the given one, else the sequence of its seed."""
+    return given or ((seed, 1.0),)
+
+
+def keys_of(chain: Chain, stream: int) -> Chain:
+    """The chain with the keys of its sequences instead of their seeds (:func:`key_of`).
+
+    :raises ValueError: a negative seed.
+    """
+    return tuple((key_of(seed, stream), coefficient) for seed, coefficient in chain)
+
+
+def chain_normals(keyed: Chain, first: int, count: int) -> NDArray[np.float64]:
+    """The sums of a chain at neighbouring places, shape (count,). They are added in the chain's order, so the batch,
+    which adds them place by place, has the same bits.
+
+    :param keyed: of :func:`keys_of`.
+    :param first: place of the first number, from 0.
+    """
+    numbers = np.zeros(count)
+    for key, coefficient in keyed:
+        numbers += coefficient * normals(key, first, count)
+    return numbers
+
+
+def probability_of(number: float) -> float:
+    """Probability of a standard normal number below this one, 0..1."""
+    return 0.5 * erfc(-number * sqrt(0.5))

@@ -22,7 +22,7 @@ from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.systems.ato.scenario.model import Balise, Scenario
-from railhil.systems.ato.scenario.perturb import perturb
+from railhil.systems.ato.scenario.perturb import find_actual
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, SpeedSdt, TrnPos, TrnSpeed, WatchLevel
 
 #: Modes of the controller as events.
@@ -81,7 +81,7 @@ class FaultyTrain(TrainOnBus):
     def _assemble(self, scenario: Scenario, seed: int, drawn: bool, rate: float) -> None:
         """Make the train, with the mismatch from the start on."""
         # As in the plant without faults; the mismatch of a fault is applied to the drawn scenario.
-        self._healthy = perturb(scenario, seed) if drawn else scenario
+        self._healthy = find_actual(scenario, seed, drawn)
         super().__init__(self._applied_mismatch.applied(self._healthy), seed, False, rate)
 
     def _take(self) -> None:

@@ -18,7 +18,7 @@ from railhil.plant_sim.ato.train import RunEnd
 from railhil.run.coupled import Coupling
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import perturb
+from railhil.systems.ato.scenario.perturb import find_actual
 from railhil.wire.ato import NotchCmd, SimTruth, TrnPos, TrnSpeed
 
 
@@ -30,7 +30,7 @@ def couple(scenario: Scenario, law: Callable[..., Any], spec: RunSpec, ports: Co
     :param ports: not used: the plant publishes SIM_TRUTH alone.
     :raises InputError: as :func:`coupled_schedule`; a fault that does not last from the start to the end.
     """
-    actual = perturb(scenario, spec.seed) if spec.perturbed else scenario
+    actual = find_actual(scenario, spec.seed, spec.perturbed)
     if scenario.faults:
         actual = constant_mismatches(scenario, [spec.seed])[0].applied(actual)
     plant = Plant(actual, spec.seed)

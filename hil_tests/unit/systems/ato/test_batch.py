@@ -28,6 +28,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.ato.plant_readings import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.streams import chain_of
 from railhil.systems.ato.batch import kernel, run_batch
 from railhil.systems.ato.batch.engine import Engine
 from railhil.systems.ato.batch.lanes import LANES
@@ -299,7 +300,7 @@ def test_noise_is_that_of_the_sensors():
     """Bit by bit, in every order, across several blocks of the sensor's own drawing."""
     sensors = replace(load("lvshun_tieshan").sensors, speed_noise_sigma_mps=1.0)
     ticks = np.array([0, 1, 4095, 4096, 9000, 12_289, *range(20_000, 21_000)])
-    found = standard_noise([4, 9], ticks)
+    found = standard_noise([chain_of(4), chain_of(9)], ticks)
     assert abs(found).max() > 2.0
     for column, seed in enumerate((4, 9)):
         forth, back = AxleSensors(sensors, seed), AxleSensors(sensors, seed)

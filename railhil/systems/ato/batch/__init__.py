@@ -14,10 +14,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhil.batch.case import Batch, Case
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.judge.score import Score
+from railhil.scenarios.streams import Chain
 from railhil.systems.ato.batch.replay import left_the_healthy_path, notch_digest, replayed
+from railhil.systems.ato.scenario.perturb import count_draws
 
 if TYPE_CHECKING:
     from railhil.systems.ato.batch.engine import BatchRuns
@@ -45,6 +49,42 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
     engine = Engine(case)
     chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
     return _result(case, seeds, chunks, keep_notches)
+
+
+class VectorRuns:
+    """Runs of a case as functions of vectors: draws and noise, as a scenario can be given them (``draws``, ``noise``).
+
+    The scores of each run are those of the bench with this scenario, to the last digit. Faults draw with seed 0, as a
+    run without a seed does. Needs numba (extra ``campaign``).
+
+    :param chunk: number of runs computed together; the results do not depend on it.
+    :raises scenarios.errors.InputError: numba is missing, the law does not fit, or a fault needs the nodes.
+    """
+
+    def __init__(self, case: Case, chunk: int = CHUNK) -> None:
+        from railhil.systems.ato.batch.engine import Engine
+
+        self._engine, self._chunk = Engine(case), chunk
+        #: Number of draws of a run.
+        self.draws = count_draws(case.scenario.line)
+
+    def run(self, draws: NDArray[np.float64], noise: Sequence[Chain]) -> list[Score]:
+        """Scores of N runs.
+
+        :param draws: standard normal numbers, shape (N, :attr:`draws`).
+        :param noise: of each run, rows (seed, coefficient); the squares of its coefficients add up to 1.
+        :raises ValueError: another shape.
+        :raises plant_sim.plant.PlantError: the simulation failed.
+        """
+        from railhil.systems.ato.batch.setup import Vectors
+
+        if draws.shape != (len(noise), self.draws):
+            raise ValueError(f"draws have the shape {draws.shape}, not {(len(noise), self.draws)}")
+        scores: list[Score] = []
+        for first in range(0, len(noise), self._chunk):
+            rows = slice(first, first + self._chunk)
+            scores += self._engine.run([0] * len(noise[rows]), Vectors(draws[rows], noise[rows])).scores
+        return scores
 
 
 def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> Batch:

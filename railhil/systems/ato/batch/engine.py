@@ -19,12 +19,13 @@ from railhil.controller_node.laws.failure import describe_failure
 from railhil.judge.score import Score
 from railhil.plant_sim.any_plant import PlantError
 from railhil.record.notes import WRAP_FAILURE
+from railhil.scenarios.streams import chain_of
 from railhil.systems.ato.batch import lanes
 from railhil.systems.ato.batch.emitted_law import loop_of
 from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
 from railhil.systems.ato.batch.layout import READ_ENDED
 from railhil.systems.ato.batch.noise import standard_noise
-from railhil.systems.ato.batch.setup import Times, Trains, common, status_tick, trains
+from railhil.systems.ato.batch.setup import Times, Trains, Vectors, common, status_tick, trains
 from railhil.systems.ato.judge import measures
 from railhil.systems.ato.judge.journey import ErrorGrid, stop_of
 from railhil.systems.ato.judge.score import Measured, judged
@@ -67,16 +68,18 @@ class Engine:
         #: Whether the loop reads the last balise; a loop without this declaration gets it.
         self._track = getattr(loop, "track", True)
 
-    def run(self, seeds: Sequence[int]) -> BatchRuns:
+    def run(self, seeds: Sequence[int], vectors: Vectors | None = None) -> BatchRuns:
         """Run the seeds together.
 
+        :param vectors: draws and noise of these runs, instead of those of their seeds.
         :raises PlantError: the state of a train is no longer finite.
         :raises InputError: the law has raised.
         """
         times, case = self.times, self._case
-        fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts))
+        fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts), vectors)
         ended = fleet.tables.readings[READ_ENDED]
-        noise = standard_noise(seeds, times.steps)
+        chains = [chain_of(seed, case.scenario.noise) for seed in seeds] if vectors is None else vectors.noise
+        noise = standard_noise(chains, times.steps)
         watch = _Watch(self._number, len(seeds))
         codes = np.zeros((times.steps.size, len(seeds)), dtype=np.int16)
         self._loop.state = None

@@ -13,18 +13,26 @@ from railhil.scenarios import streams
 
 
 @compiled.cached(__file__, streams)
-def _draw(keys: Any, ticks: Any, numbers: Any) -> None:
+def _draw(keys: Any, coefficients: Any, ends: Any, ticks: Any, numbers: Any) -> None:
     for row in range(ticks.size):
-        for column in range(keys.size):
-            numbers[row, column] = streams.normal_at(keys[column], ticks[row])
+        place = 0
+        for column in range(ends.size):
+            number = 0.0
+            while place < ends[column]:
+                number += coefficients[place] * streams.normal_at(keys[place], ticks[row])
+                place += 1
+            numbers[row, column] = number
 
 
-def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Standard normal numbers of :class:`~railhil.plant_sim.ato.plant_readings.AxleSensors`, shape (ticks, seeds).
+def standard_noise(chains: Sequence[streams.Chain], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Standard normal numbers of :class:`~railhil.plant_sim.ato.plant_readings.AxleSensors`, shape (ticks, chains).
 
     :param ticks: each >= 0, shape (ticks,).
     """
-    keys = np.array([streams.key_of(seed, streams.AXLE_NOISE) for seed in seeds], dtype=np.uint64)
-    numbers = np.empty((ticks.size, keys.size))
-    _draw(keys, ticks.astype(np.uint64), numbers)
+    flat = [part for chain in chains for part in streams.keys_of(chain, streams.AXLE_NOISE)]
+    keys = np.array([key for key, _ in flat], dtype=np.uint64)
+    coefficients = np.array([coefficient for _, coefficient in flat], dtype=np.float64)
+    ends = np.cumsum([len(chain) for chain in chains])
+    numbers = np.empty((ticks.size, ends.size))
+    _draw(keys, coefficients, ends, ticks.astype(np.uint64), numbers)
     return numbers

@@ -21,12 +21,13 @@ from railhil.plant_sim.ato.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.ato.train import RunEnd
 from railhil.plant_sim.ato.train_checks import slow_decay, train_checks
 from railhil.scenarios.profiles import find_lowest, grade_rows
+from railhil.scenarios.streams import Chain
 from railhil.systems.ato.batch import lanes as at
 from railhil.systems.ato.batch.layout import Common, PerTrain
 from railhil.systems.ato.coupled import coupled_schedule
 from railhil.systems.ato.judge.journey import ErrorGrid
 from railhil.systems.ato.scenario.model import Effort, Scenario
-from railhil.systems.ato.scenario.perturb import apply_draws, unit_draws
+from railhil.systems.ato.scenario.perturb import apply_draws, unit_draws, unit_numbers
 from railhil.systems.ato.scenario.target import Target
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrnPos
 
@@ -170,11 +171,30 @@ class Trains:
         return np.array(self.tables.blocks[:, quantity : quantity + at.LANES].reshape(-1)[:count])
 
 
-def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, cycles: int) -> Trains:
-    """The trains of some seeds, made together from a scenario whose perturbed quantities are arrays."""
+@dataclass(frozen=True, slots=True)
+class Vectors:
+    """N runs as vectors, which replace the random numbers of their seeds.
+
+    :param draws: standard normal numbers, shape (N, draws), as the ``draws`` of a scenario.
+    :param noise: of each run, as the ``noise`` of a scenario, but the squares of its coefficients are not checked.
+    """
+
+    draws: NDArray[np.float64]
+    noise: Sequence[Chain]
+
+
+def trains(
+    scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, cycles: int, vectors: Vectors | None = None
+) -> Trains:
+    """The trains of some seeds, made together from a scenario whose perturbed quantities are arrays.
+
+    :param vectors: draws of these trains, instead of those of their seeds.
+    """
     count, timing = len(seeds), scenario.timing
     actual = scenario
-    if drawn:
+    if vectors is not None:
+        actual = apply_draws(scenario, list(unit_numbers(vectors.draws).T))
+    elif drawn or scenario.draws:
         actual = apply_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
     if scenario.faults:
         actual = Mismatch.over(constant_mismatches(scenario, seeds)).applied(actual)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields
 from itertools import pairwise
+from math import fsum
 
 import numpy as np
 
+from railhil.common.digits import count_of
 from railhil.common.errors import Words
 from railhil.dbc import Contract
 from railhil.faults.truth import HOLE_MAX_S
@@ -18,6 +20,7 @@ from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.model import Effort, Scenario, Uniform
+from railhil.systems.ato.scenario.perturb import count_draws
 from railhil.systems.ato.scenario.target import Target
 
 _SAMPLE_S = 0.1
@@ -107,6 +110,9 @@ LOOP_DELAY_MAX_S = 0.3
 #: number, and some in between may have been lost.
 BALISES_BETWEEN = 15
 
+#: By which the sum of the squares of a noise's coefficients may differ from 1.
+NOISE_POWER_TOLERANCE = 1e-9
+
 #: No train on rails is faster.
 _FASTEST_MPS = 200.0
 _NS_PER_MS = 1_000_000
@@ -166,6 +172,19 @@ def check_timing(timing: Timing, perturbations: model.Perturbations, contract: C
     delay = perturbations.loop_delay_s
     if delay is not None and not 0 <= delay.low <= delay.high <= longest_s:
         raise refuse(("perturbations", "loop_delay_s"), [delay.low, delay.high], f"0 to {longest_s:g} s")
+
+
+def check_vector(scenario: Scenario, refuse: Refuse) -> None:
+    """The scenario's own draws are as many as its run has, and its noise is standard normal."""
+    draws, wanted = scenario.draws, count_draws(scenario.line)
+    if draws and not scenario.can_be_perturbed:
+        raise refuse(("draws",), Words(count_of(len(draws), "number")), "none without [perturbations]")
+    if draws and len(draws) != wanted:
+        allowed = f"{wanted} numbers: {wanted - len(scenario.line.balises)} and one for each balise"
+        raise refuse(("draws",), Words(count_of(len(draws), "number")), allowed)
+    power = fsum(coefficient**2 for _, coefficient in scenario.noise)
+    if scenario.noise and abs(power - 1.0) > NOISE_POWER_TOLERANCE:
+        raise refuse(("noise",), power, f"1 +- {NOISE_POWER_TOLERANCE:g}, the sum of the squares of the coefficients")
 
 
 def check_perturbations(perturbations: model.Perturbations, refuse: Refuse) -> None:

@@ -109,6 +109,12 @@ MEANING = {
     "perturbations.loop_delay_s": "loop delay",
     "perturbations.wheel_factor": "sensors.wheel_factor",
     "perturbations.balise_position_error_m": "offset of each balise from its surveyed position",
+    "draws": "standard normal numbers with which the perturbations are drawn, instead of the seed: in the order of "
+    "perturbations.mass_factor, davis_factor, grade_factor, grade_offset_permil, actuator_pole_factor, "
+    "force_gain_factor, speed_noise_sigma_kmh, wheel_factor, loop_delay_s, then one for each balise; a quantity "
+    "without a range has its number, too",
+    "noise": "noise of the axle speed as a sum, rows [seed, coefficient] with squares that add up to 1, instead of "
+    "the noise of the run's seed",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",
     "published[].punctuality_s": "its time error, without sign",

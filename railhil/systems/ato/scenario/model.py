@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 
 from railhil.scenarios.model import PublishedScore, Timing
 from railhil.scenarios.profiles import Profile
+from railhil.scenarios.streams import Chain
 from railhil.scenarios.system import OfSystem
 
 #: Longest run, by the train's own odometer.
@@ -242,6 +243,11 @@ class Scenario(OfSystem):
     safety: Safety = Safety()
     #: The law of its runs when none is asked for; empty: that of its system.
     law: str = ""
+    #: Standard normal numbers that its perturbations are drawn with, in the order of
+    #: :func:`railhil.systems.ato.scenario.perturb.unit_draws`; empty: the seed draws them, in perturbed runs only.
+    draws: tuple[float, ...] = ()
+    #: The sequences whose sum is the noise of its speed sensor, in standard deviations; empty: that of the seed.
+    noise: Chain = ()
 
     @property
     def usual_law(self) -> str:

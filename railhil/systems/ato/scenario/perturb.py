@@ -32,12 +32,33 @@ class _Draws:
 _DRAWS = 9
 
 
+def count_draws(line: Line) -> int:
+    """Number of draws per run on a line."""
+    return _DRAWS + len(line.balises)
+
+
 def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
-    """Numbers in 0..1 that determine the perturbations of a run, shape (draws,).
+    """Numbers in 0..1 that determine the perturbations of a run, shape (draws,): the scenario's own ``draws``, else
+    those of the seed.
 
     Raises ``ValueError`` for a negative seed.
     """
-    return streams.generator(seed, streams.PERTURBATION).random(_DRAWS + len(scenario.line.balises))
+    if scenario.draws:
+        return unit_numbers(np.array([scenario.draws])).reshape(-1)
+    return streams.generator(seed, streams.PERTURBATION).random(count_draws(scenario.line))
+
+
+def unit_numbers(draws: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard normal numbers of N runs as numbers in 0..1, shape (N, draws)."""
+    return np.array([list(map(streams.probability_of, row)) for row in draws.tolist()])
+
+
+def find_actual(scenario: Scenario, seed: int, perturbed: bool) -> Scenario:
+    """The scenario of a run: perturbed if this is asked for, or if the scenario has its own draws.
+
+    Raises ``ValueError`` for a negative seed.
+    """
+    return perturb(scenario, seed) if perturbed or scenario.draws else scenario
 
 
 def perturb(scenario: Scenario, seed: int) -> Scenario:
@@ -98,4 +119,5 @@ def apply_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
             for balise in scenario.line.balises
         ),
     )
-    return replace(scenario, train=train, line=line, sensors=sensors, timing=timing)
+    # The draws have been applied: nothing may apply them again.
+    return replace(scenario, train=train, line=line, sensors=sensors, timing=timing, draws=())

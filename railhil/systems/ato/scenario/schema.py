@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Strict, Tag
 
 from railhil.scenarios.schema import (
     RUNNING_TIME_MAX_S,
@@ -255,6 +255,10 @@ class PerturbationsTable(Table):
     balise_position_error_m: Pair | None = None
 
 
+#: A row ``[seed, coefficient]``.
+Sequence = Annotated[tuple[Annotated[int, Field(ge=0, le=0xFFFF_FFFF)], Number], Strict(False)]
+
+
 class PublishedTable(Table):
     """One row of a published result table."""
 
@@ -284,5 +288,7 @@ class ScenarioFile(Table):
     watch: WatchTable = WatchTable()
     safety: SafetyTable = SafetyTable()
     perturbations: PerturbationsTable = PerturbationsTable()
+    draws: list[Number] = []
+    noise: Annotated[list[Sequence], Field(max_length=1000)] = []
     published: list[PublishedTable] = []
     fault: FaultRows = []

@@ -107,7 +107,10 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         published=tuple(PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=assumptions,
         faults=faults,
+        draws=tuple(file.draws),
+        noise=tuple(file.noise),
     )
+    check.check_vector(scenario, refuse)
     check.check_run(scenario, target, refuse)
     check_carried(contract, train_reaches(scenario, target), refuse)
     check.check_authority(scenario, refuse)
