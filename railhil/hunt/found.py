@@ -80,6 +80,7 @@ def shrink_case(task: ShrinkTask) -> Least:
         least = Shrunk((), task.seed, 1, 0)
     elif task.shrinks:
         least = shrink(task.faults, task.seed, violates, task.horizon_s)
+        least = replace(least, runs=least.runs + 1)
     else:
         least = Shrunk(task.faults, task.seed, 0, 0)
     key = (least.faults, least.seed)

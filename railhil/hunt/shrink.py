@@ -1,11 +1,14 @@
 """From a case that violates a requirement to a smaller one that violates the same.
 
-Passes, repeated until nothing changes (at most :data:`ROUNDS_MAX` rounds): drop faults, each alone and then in pairs;
-make them shorter (bisection; counts like lengths); let them begin later; make their values milder; seed 0. A candidate
-counts only if it violates the same requirement in a valid run. Every answer is cached by the candidate's text. Source
-of the method: delta debugging (Zeller and Hildebrandt, IEEE TSE 28, 2002); the order of the passes is chosen.
+Passes, repeated until nothing changes (at most :data:`ROUNDS_MAX` rounds): drop faults, in groups, alone and in pairs;
+simpler words and seed 0; make the faults shorter (counts like lengths); let them begin later; make their values
+milder. A candidate counts only if it violates the same requirement in a valid run. Every answer is cached by the
+candidate's text. Source of the method: delta debugging (Zeller and Hildebrandt, IEEE TSE 28, 2002); passes, their order
+and their steps are chosen.
 
-Bisection assumes that more is worse. This is not always so, hence longer versions of the result are tried in the end.
+A pass tries large steps first, each as often as it succeeds, then smaller ones. Its candidates depend on the case at
+hand alone. The last round has changed nothing, so making its result smaller again asks the same and changes nothing.
+Large steps assume that more is worse. This is not always so, hence longer versions of the result are tried in the end.
 """
 
 from __future__ import annotations
@@ -16,22 +19,25 @@ from itertools import combinations
 from types import MappingProxyType
 
 from railhil.faults.language import fault_text, parse
-from railhil.faults.model import COUNT, NAME, NUMBER, PPM, Fault, Parameter
-from railhil.faults.words import word_of
+from railhil.faults.model import COUNT, NAME, NUMBER, PPM, Fault, Parameter, Word
+from railhil.faults.random_faults import words_drawn
+from railhil.faults.words import word_of, words_at
 
-ROUNDS_MAX = 3
+ROUNDS_MAX = 10
 #: Length of a fault that lasts to the end, where this is enough, in s.
 _FIRST_LENGTH_S = 10.0
 #: Grid of lengths and instants, in s.
 _GRID_S = 0.01
-#: Steps of a bisection, and of the coarse grid over the instants that comes before it.
-_STEPS, _INSTANTS = 8, 8
-#: A length found by bisection is known to this share.
-_LENGTH_SHARE = 0.03
+#: Shares of a length or count that are tried; the last one is the accuracy of the result.
+_SHORTER = (0.125, 0.5, 0.8, 0.95)
+#: Steps to a later instant: the horizon halved so many times.
+_STEPS = 6
 #: Shares of a value that are tried, from its neutral value.
 _MILDER = (0.125, 0.5)
 #: Values of less than this from the neutral one are not tried, in the base unit; of counts and ppm 1.
 _LEAST_EFFECT = 0.01
+#: Simpler words of a place that are tried in the place of one.
+_WORDS_MAX = 2
 #: Longer versions that are tried in the end.
 _LONGER = (1.3, 2.0, 3.0, 5.0)
 _DIGITS = 3
@@ -104,70 +110,82 @@ def shrink(faults: Sequence[str], seed: int, violates: Violates, horizon_s: floa
     while search.rounds < ROUNDS_MAX and before != (search.faults, search.seed):
         before = (search.faults, search.seed)
         search.rounds += 1
-        for one_pass in (_drop, _shorten, _delay, _soften, _simplify):
+        for one_pass in (_drop, _simplify, _shorten, _delay, _soften):
             one_pass(search)
     longer = tuple(_longer_that_pass(search))
     return Shrunk(search.faults, search.seed, len(search.answers) - 1, search.rounds, _saved_at_s(search), longer)
 
 
 def _drop(search: _Search) -> None:
-    """Leave out each fault alone, and then pairs of them."""
-    place = 0
-    while place < len(search.faults):
-        if len(search.faults) < 2 or not search.takes(search.faults[:place] + search.faults[place + 1 :]):
-            place += 1
+    """Leave out faults: neighbours, half of all and less, then each alone, and then pairs of them."""
+    size = len(search.faults) // 2
+    while size:
+        place = 0
+        while place < len(search.faults):
+            rest = search.faults[:place] + search.faults[place + size :]
+            if not rest or not search.takes(rest):
+                place += size
+        size //= 2
     for pair in combinations(search.places(), 2):
         rest = tuple(text for place, text in enumerate(search.faults) if place not in pair)
         if rest and search.takes(rest):
             return
 
 
+def _simplify(search: _Search) -> None:
+    """Seed 0; a word that comes before in the table of words and needs no value; a single fault has nothing to be
+    combined with."""
+    if search.seed:
+        search.takes(search.faults, 0)
+    if len(search.faults) == 1 and search.at(0).combine:
+        search.takes(search.with_fault(0, replace(search.at(0), combine=False)))
+    for place in search.places():
+        fault = search.at(place)
+        for word in _simpler_words(fault):
+            values = MappingProxyType({one.name: one.usual for one in word.parameters if one.usual is not None})
+            if search.takes(search.with_fault(place, replace(fault, what=word.name, values=values, after=""))):
+                break
+
+
+def _simpler_words(fault: Fault) -> Iterator[Word]:
+    """The first words of the fault's place in the table, up to its own."""
+    drawn = {(word.level, word.name, word.part) for word in words_drawn()}
+    for word in words_at(fault.place.level, fault.place.name, fault.place.part)[:_WORDS_MAX]:
+        if word.name == fault.what:
+            return
+        is_usual = all(one.usual is not None for one in word.parameters)
+        has_length = word.lasts or (fault.duration_s is None and fault.count is None)
+        if is_usual and has_length and (word.level, word.name, word.part) in drawn:
+            yield word
+
+
 def _shorten(search: _Search) -> None:
     """The shortest length, or the smallest count, of each fault."""
     for place in search.places():
         fault = search.at(place)
-        if fault.count is not None:
-            _shorten_count(search, place, fault)
-            continue
         word = word_of(fault.place.level, fault.place.name, fault.place.part, fault.what)
-        if word is None or not word.lasts or fault.until:
-            continue
-        if fault.duration_s is None and not search.takes(
-            search.with_fault(place, replace(fault, duration_s=_FIRST_LENGTH_S))
-        ):
-            continue
-        _shorten_length(search, place)
+        if fault.count is not None:
+            _shorten_count(search, place)
+        elif word is not None and word.lasts and not fault.until:
+            limited = replace(fault, duration_s=_FIRST_LENGTH_S)
+            if fault.duration_s is not None or search.takes(search.with_fault(place, limited)):
+                _shorten_length(search, place)
 
 
-def _shorten_count(search: _Search, place: int, fault: Fault) -> None:
-    low, high = 0, fault.count or 0
-    while high - low > 1:
-        middle = max(low + 1, (low + high) // 2) if low else max(1, high // 4)
-        if search.takes(search.with_fault(place, replace(fault, count=middle))):
-            high = middle
-        else:
-            low = middle
+def _shorten_count(search: _Search, place: int) -> None:
+    for share in _SHORTER:
+        while (count := search.at(place).count or 1) > 1:
+            less = max(1, min(round(count * share), count - 1))
+            if not search.takes(search.with_fault(place, replace(search.at(place), count=less))):
+                break
 
 
 def _shorten_length(search: _Search, place: int) -> None:
-    fault = search.at(place)
-    high_s, low_s = fault.duration_s or _FIRST_LENGTH_S, 0.0
-    if search.rounds > 1:
-        little_s = _on_grid(high_s - max(_GRID_S, _LENGTH_SHARE * high_s))
-        if little_s >= high_s or not search.takes(search.with_fault(place, replace(fault, duration_s=little_s))):
-            return
-        high_s = little_s
-    for _ in range(_STEPS):
-        if high_s - low_s <= max(_GRID_S, _LENGTH_SHARE * high_s) + 1e-9:
-            return
-        # Lengths differ by their ratio: the first steps go down fast.
-        middle_s = _on_grid(high_s / 4 if low_s == 0.0 else (low_s * high_s) ** 0.5)
-        middle_s = min(max(middle_s, low_s + _GRID_S), high_s - _GRID_S)
-        middle_s = _on_grid(middle_s)
-        if search.takes(search.with_fault(place, replace(fault, duration_s=middle_s))):
-            high_s = middle_s
-        else:
-            low_s = middle_s
+    for share in _SHORTER:
+        while (length_s := search.at(place).duration_s or _GRID_S) > _GRID_S:
+            less_s = min(_on_grid(length_s * share), _on_grid(length_s - _GRID_S))
+            if not search.takes(search.with_fault(place, replace(search.at(place), duration_s=less_s))):
+                break
 
 
 def _on_grid(time_s: float) -> float:
@@ -175,50 +193,31 @@ def _on_grid(time_s: float) -> float:
 
 
 def _delay(search: _Search) -> None:
-    """The latest instant: of all faults together, then of each. A coarse grid comes before the bisection, because a
-    later fault need not be milder."""
-    _delay_some(search, list(search.places()))
+    """The latest instant: of all faults together, then of each."""
+    _delay_some(search, search.places())
     if len(search.faults) > 1:
         for place in search.places():
             _delay_some(search, [place])
 
 
 def _delay_some(search: _Search, places: Sequence[int]) -> None:
-    begins_s = {place: _begin_s(search.at(place)) for place in places}
-    timed = {place: begin_s for place, begin_s in begins_s.items() if begin_s is not None}
-    if not timed:
-        return
-    room_s = search.horizon_s - max(timed.values())
-    before = search.faults
-
-    def later(by_s: float) -> tuple[str, ...]:
-        found = list(before)
-        for place, begin_s in timed.items():
-            fault = parse(before[place])
-            trigger = replace(fault.trigger, value=round(begin_s + by_s, 2))
-            found[place] = fault_text(replace(fault, trigger=trigger))
-        return tuple(found)
-
-    step_s = room_s / _INSTANTS
-    if step_s < _GRID_S:
-        return
-    best = next((count for count in range(_INSTANTS, 0, -1) if search.takes(later(_on_grid(count * step_s)))), 0)
-    low_s, high_s = best * step_s, (best + 1) * step_s
-    if best == _INSTANTS:
-        return
-    for _ in range(_STEPS // 2):
-        middle_s = _on_grid((low_s + high_s) / 2)
-        if high_s - low_s <= 2 * _GRID_S:
-            return
-        if search.takes(later(middle_s)):
-            low_s = middle_s
-        else:
-            high_s = middle_s
+    for halvings in range(1, _STEPS + 1):
+        step_s = _on_grid(search.horizon_s / 2**halvings)
+        while (later := _later(search, places, step_s)) and search.takes(later):
+            pass
 
 
-def _begin_s(fault: Fault) -> float | None:
-    """Its instant; None: another condition begins it."""
-    return float(fault.trigger.value) if fault.trigger.kind == "time" else None
+def _later(search: _Search, places: Sequence[int], by_s: float) -> tuple[str, ...]:
+    """The case at hand with some faults later, those that begin at a time; empty: one would be behind the horizon."""
+    found = list(search.faults)
+    timed = [place for place in places if search.at(place).trigger.kind == "time"]
+    for place in timed:
+        fault = search.at(place)
+        begin_s = round(float(fault.trigger.value) + by_s, 2)
+        if begin_s > search.horizon_s:
+            return ()
+        found[place] = fault_text(replace(fault, trigger=replace(fault.trigger, value=begin_s)))
+    return tuple(found) if timed else ()
 
 
 def _soften(search: _Search) -> None:
@@ -254,14 +253,6 @@ def _milder_values(parameter: Parameter, value: float) -> Iterator[float]:
             yield milder
 
 
-def _simplify(search: _Search) -> None:
-    """Seed 0; a single fault has nothing to be combined with."""
-    if search.seed:
-        search.takes(search.faults, 0)
-    if len(search.faults) == 1 and search.at(0).combine:
-        search.takes(search.with_fault(0, replace(search.at(0), combine=False)))
-
-
 def _longer_that_pass(search: _Search) -> Iterator[float]:
     """Factors by which a longer version of a fault does not violate the requirement."""
     for factor in _LONGER:
@@ -280,8 +271,8 @@ def _saved_at_s(search: _Search) -> float | None:
     if len(search.faults) != 1:
         return None
     fault = search.at(0)
-    begin_s, length_s = _begin_s(fault), fault.duration_s
-    if begin_s is None or length_s is None:
+    length_s = fault.duration_s
+    if fault.trigger.kind != "time" or length_s is None:
         return None
     found = [
         other.duration_s
@@ -290,4 +281,4 @@ def _saved_at_s(search: _Search) -> float | None:
         for other in [parse(faults[0])]
         if other.duration_s is not None and other.duration_s < length_s and replace(other, duration_s=length_s) == fault
     ]
-    return round(begin_s + max(found), 2) if found else None
+    return round(float(fault.trigger.value) + max(found), 2) if found else None
