@@ -114,6 +114,19 @@ def test_vectors_in_the_batch_are_the_runs_of_the_bench(short: Scenario, law: st
     assert len({score.signed["stop_error_m"] for score in scores}) > 1
 
 
+def test_draws_and_a_fault_of_the_train_act_together(short: Scenario, tmp_path: Path) -> None:
+    """The mismatch is applied to the drawn train, in the batch, without a bus and through the nodes."""
+    draws, noise = vectors(short, 2)
+    faulty = replace(short, faults=("mass scale normal(1.1,0.02) @0s", "resistance scale 1.3 @0s"))
+    law = LawSpec(arithmetic="float64")
+    scores = VectorRuns(Case(faulty, law)).run(draws, noise)
+    for row, score in enumerate(scores):
+        own = replace(faulty, draws=tuple(draws[row].tolist()), noise=noise[row])
+        assert direct_run(own, RunSpec(law=law)).score == score
+        assert local_run(own, tmp_path, RunSpec(law=law)).score == score
+    assert scores != VectorRuns(Case(short, law)).run(draws, noise)
+
+
 def test_a_batch_of_seeds_takes_the_draws_and_the_noise_of_its_scenario(short: Scenario) -> None:
     draws, noise = vectors(short, 2)
     law = LawSpec(arithmetic="float64")

@@ -97,12 +97,13 @@ class Engine:
         self._loop.state = None
         finite = np.isfinite(sum(map(fleet.column, (lanes.POSITION, lanes.SPEED, lanes.ACTUATOR))))
         if not finite.all():
-            raise PlantError(f"plant state is not finite with seed {seeds[fleet.tables.order[np.argmin(finite)]]}")
+            named = _name_run(seeds, vectors, fleet.tables.order[np.argmin(finite)])
+            raise PlantError(f"plant state is not finite {named}")
         low, high = SimTruth.port().signal("TrueAccel").raw_range
         held = (fleet.tables.control_accel_raw <= low) | (fleet.tables.control_accel_raw >= high)
         if (beyond := held.any(axis=1)).any():
-            seed = seeds[fleet.tables.order[np.argmax(beyond)]]
-            raise PlantError(f"SIM_TRUTH.TrueAccel: the wire cannot carry it, with seed {seed}")
+            named = _name_run(seeds, vectors, fleet.tables.order[np.argmax(beyond)])
+            raise PlantError(f"SIM_TRUTH.TrueAccel: the wire cannot carry it, {named}")
         steps = np.searchsorted(times.steps, fleet.column(lanes.END_TICK)[np.argsort(fleet.tables.order)], side="right")
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 
@@ -186,6 +187,12 @@ class Engine:
             return ""
         tick = status_tick(self.times, int(self.times.steps[step]), end_tick)
         return f"{WRAP_FAILURE}, reported at {tick * self._case.scenario.timing.base_tick_ns / 1e9:.2f} s"
+
+
+def _name_run(seeds: Sequence[int], vectors: Vectors | None, place: int) -> str:
+    if vectors is None:
+        return f"with seed {seeds[place]}"
+    return f"with draws={vectors.draws[place].tolist()} and noise={[list(part) for part in vectors.noise[place]]}"
 
 
 class _Watch:
