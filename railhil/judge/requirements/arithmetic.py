@@ -13,6 +13,7 @@ import numpy.typing as npt
 from railhil.judge.requirements import syntax
 from railhil.judge.requirements.grid import Grid
 from railhil.judge.requirements.names import Quantity, constant
+from railhil.judge.requirements.robustness import window_max
 from railhil.judge.requirements.units import NUMBER, Unit, given_unit, product
 from railhil.record.trace import FloatArray
 
@@ -162,6 +163,9 @@ def _over_time(binder: Binder, node: syntax.Call, value: Quantity) -> Quantity:
     ticks = math.ceil(binder.window(node.time, value.periods_ns))
     if node.function == "before":
         return replace(value, values=lambda grid: _earlier(value.values(grid), ticks))
+    if node.function in ("lowest", "highest"):
+        sign = 1 if node.function == "highest" else -1
+        return replace(value, values=lambda grid: sign * _highest(sign * value.values(grid), ticks))
     if node.function == "mean":
         return replace(value, step=value.step / ticks, values=lambda grid: _mean(value.values(grid), ticks))
     span_s = ticks * Fraction(binder.names.tick_ns, 10**9)
@@ -178,6 +182,13 @@ def _over_time(binder: Binder, node: syntax.Call, value: Quantity) -> Quantity:
 def _earlier(values: FloatArray, ticks: int) -> FloatArray:
     """The values so many ticks before; NaN where the record had not begun."""
     return np.concatenate([np.full(min(ticks, len(values)), np.nan), values[:-ticks]])
+
+
+def _highest(values: FloatArray, ticks: int) -> FloatArray:
+    """The largest value from so many ticks before to each tick; NaN where one of them is not known."""
+    unknown = np.where(np.isnan(values), 1.0, 0.0)
+    largest, is_unknown = (window_max(one[::-1], 0, ticks, 1.0)[::-1] for one in (values, unknown))
+    return np.where(is_unknown > 0, np.nan, largest)
 
 
 def _mean(values: FloatArray, ticks: int) -> FloatArray:

@@ -20,6 +20,8 @@ FUNCTIONS: Final = {
     "rate": "vt",
     "mean": "vt",
     "before": "vt",
+    "lowest": "vt",
+    "highest": "vt",
     "age": "p",
     "good": "p",
     "bad": "p",

@@ -223,6 +223,7 @@ def test_the_values_of_earlier_ticks_are_known_once_the_record_has_them() -> Non
     for says in (
         "rate(measured_speed, 50 ms) = 10 m/s2", "before(measured_speed, 50 ms) = measured_speed - 0.5 m/s",
         "mean(measured_speed, 50 ms) = measured_speed - 0.2 m/s",
+        "lowest(measured_speed, 50 ms) = measured_speed - 0.5 m/s", "highest(measured_speed, 50 ms) = measured_speed",
     ):  # fmt: skip
         found = judged(record, f"always {says}")
         assert (found.verdict, found.margin) == ("kept", 0.0)
