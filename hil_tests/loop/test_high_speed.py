@@ -99,6 +99,7 @@ def test_no_controller_has_a_mailbox_for_the_mutation(name: str) -> None:
         ("controller kill @20s", "traction_cut", "command_age"),
         ("UNIT2_FB loss 100% @20s for 1s", "traction_cut", "controller_safe"),
         ("actuator.brake off @0s units 2", "traction_cut", "brake_not_answering"),
+        ("train.safety_loop off @20s", "service_brake", ""),
     ],
 )
 def test_the_ladder_of_the_units_is_in_the_events_and_in_the_verdict(
@@ -112,6 +113,7 @@ def test_the_ladder_of_the_units_is_in_the_events_and_in_the_verdict(
     assert {(event.level, event.cause) for event in events} == {(level, cause)}
     assert run.score.verdict == "FAIL"
     assert any(f"acted by itself from {events[0].time_s:.2f} s" in text for text in run.score.failures)
+    assert ("(the safety loop is open)" in run.score.failures[-1]) == ("loop" in fault)
     assert run.ended is (Event.ENDED_CONTROLLER_LOST if "kill" in fault else Event.ENDED_COMPLETE)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -26,6 +27,8 @@ from railhil.cli.faults import entry_run
 from railhil.cli.run import run_spec
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import VectorNode, ports_of
+from railhil.judge.events.event import LEVEL
+from railhil.judge.events.telegrams import events_of
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.signals import signal_table
 from railhil.plant_sim.node import make_plant_node
@@ -60,6 +63,18 @@ def test_the_run_is_complete_and_healthy(both: Both) -> None:
     assert both.local.ended is Event.ENDED_COMPLETE
     assert both.local.score.failures == ()
     assert both.local.refused == {}
+
+
+@pytest.mark.slow
+def test_an_open_safety_loop_is_the_cause_in_events_and_verdict(tmp_path: Path) -> None:
+    scenario = stop_scenario(*SHORT, "task.stop_error_max_m=5", name="yizhuang_stop_closed")
+    scenario = replace(scenario, faults=("train.safety_loop off @1s",))
+    run = local_run(scenario, tmp_path, SPEC)
+    levels = [event for event in events_of(scenario, run.trace) if event.kind == LEVEL]
+    assert [(event.level, event.cause, event.detail) for event in levels] == [
+        ("emergency", "", "the safety loop is open")
+    ]
+    assert f"acted by itself from {levels[0].time_s:.2f} s (the safety loop is open)" in "; ".join(run.score.failures)
 
 
 def test_a_run_without_a_bus_has_the_same_telegrams_at_the_same_instants(both: Both) -> None:

@@ -25,9 +25,10 @@ class Watch:
     sentences; empty: nothing. ``port``, ``level``, ``cause``: the telegram and its signals; the wire contract has the
     words of both. ``ladder``: raw values of the level from normal to the strongest reaction; others are no reaction (a
     controller that initialises). ``start``: causes for which the first level of a run is no reaction but the normal
-    start. ``said``: (scenario, level, cause) -> the cause in words. ``quiet``: levels of the ladder that are no
-    reaction either, such as an indication to the driver. ``rungs``: how strong each level of the ladder is, as a place
-    in :data:`railhil.faults.model.WATCH_LEVELS`; empty: its place in the ladder.
+    start. ``said``: (scenario, level, cause) -> the cause in words. ``uncaused``: the cause of a level without one, in
+    words; empty: not known. ``quiet``: levels of the ladder that are no reaction either, such as an indication to the
+    driver. ``rungs``: how strong each level of the ladder is, as a place in
+    :data:`railhil.faults.model.WATCH_LEVELS`; empty: its place in the ladder.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Watch:
     ladder: tuple[int, ...]
     start: frozenset[str] = frozenset()
     said: Callable[[Any, str, str], str] = in_words
+    uncaused: str = ""
     quiet: frozenset[int] = frozenset()
     rungs: tuple[int, ...] = ()
 

@@ -113,7 +113,8 @@ class Judging:
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.
 
-    ``noted``: named things of each run, such as its worst stop.
+    ``noted``: named things of each run, such as its worst stop. ``stop_events``: the milestones of its stops, at which
+    scores are known.
 
     ``learned``: measures over sequences of runs; empty: each limit
     (:func:`railhil.judge.judging.sequence_measures`).
@@ -147,6 +148,7 @@ class Judging:
     received: Callable[[Any], Sequence[Received]] = _nothing
     learned: tuple[SequenceMeasure, ...] = ()
     noted: tuple[Noted, ...] = ()
+    stop_events: tuple[str, ...] = ("stopped",)
     ends_at_m: Callable[[Any], float | None] = _no_place
     places: Callable[[Any], Sequence[Place]] = _nothing
     strip: tuple[str, ...] = ()

@@ -303,6 +303,6 @@ def watch_events(scenario: AnyScenario, trace: Trace, watch: Watch, end_s: float
             detail = watch.said(scenario, word, cause)
             yield RecordedEvent(begun_s, watch.name, START, cause, word, until_s=until_s, detail=detail)
         else:
-            detail = watch.said(scenario, word, cause) if cause else ""
+            detail = watch.said(scenario, word, cause) if cause else (watch.uncaused if has_cause else "")
             rank = watch.ladder.index(level)
             yield RecordedEvent(begun_s, watch.name, LEVEL, cause, word, until_s=until_s, detail=detail, rank=rank)

@@ -42,6 +42,12 @@ class Binder:
         """The same, where scores are known."""
         return Binder(self._text, self.names, self._define, scores=True)
 
+    def is_stop(self, event: syntax.Condition | syntax.Limit) -> bool:
+        """Whether the scores are known at an event: a stop, or the end."""
+        if isinstance(event, syntax.Occurs):
+            return self._define.get(event.name, event.name).strip() in self.names.judging.stop_events
+        return isinstance(event, syntax.Limit) and event.word == "end"
+
     def text_of(self, node: syntax.Node) -> str:
         """The text of a part."""
         return self._text[node.column : node.after]
@@ -86,7 +92,8 @@ class Binder:
         if name in self.names.scores:
             if self._scores:
                 return self.names.scores[name]
-            raise self.refused(node, "is a score, which is known only after: at stopped, or: at end")
+            events = " ".join(f"at {event}," for event in self.names.judging.stop_events)
+            raise self.refused(node, f"is a score, which is known only after: {events} or: at end")
         if name in self.names.levels:
             raise self.refused(node, "is a level: it stands only at the right of a comparison with a level")
         if name in self.names.events:

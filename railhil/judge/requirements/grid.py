@@ -1,7 +1,8 @@
 """The one time of a record's requirements: the base tick.
 
 The grid has every tick from 0 to the last one of the record. A value holds from its telegram's instant until the next
-telegram of its port; before the first one it is not known. The telegrams of a tick have come when it is looked at.
+accepted telegram of its port; before the first one it is not known. A telegram that its receiver refuses has no value.
+The telegrams of a tick have come when it is looked at.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Grid:
         #: Values that others keep here, by whatever tells them apart.
         self.kept: dict[object, FloatArray] = {}
         self._places: dict[str, Ticks] = {}
-        self._received: dict[str, tuple[Ticks, Ticks]] = {}
+        self._received: dict[str, tuple[Ticks, Ticks, Ticks]] = {}
 
     @cached_property
     def ticks_ns(self) -> Ticks:
@@ -58,12 +59,13 @@ class Grid:
         return -(-round(instant_s * 1e9) // self.tick_ns)
 
     def held(self, port: str, values: FloatArray) -> FloatArray:
-        """Values of a port's telegrams, shape (telegrams,), at each tick; NaN before the first one."""
+        """Values of a port's telegrams, shape (telegrams,), at each tick: that of the newest accepted one; NaN before
+        the first one."""
         places = self._places.get(port)
         if places is None:
-            times_ns = np.array(self.trace.times_ns(port), dtype=np.int64)
-            places = self._places[port] = np.searchsorted(times_ns, self.ticks_ns, side="right") - 1
-        # Place -1 is the NaN at the end.
+            # Place -1 is the NaN at the end.
+            accepted = np.concatenate([[-1], self._reception(port)[0]])
+            places = self._places[port] = accepted[self._newest(port)[0]]
         return np.append(values, np.nan)[places]
 
     def signal(self, port: str, signal: str) -> FloatArray:
@@ -75,8 +77,9 @@ class Grid:
             self.kept[port, signal] = found
         return found
 
-    def _reception(self, port: str) -> tuple[Ticks, Ticks]:
-        """Instants in ns of the accepted and of the refused telegrams of a port, each in order.
+    def _reception(self, port: str) -> tuple[Ticks, Ticks, Ticks]:
+        """Numbers of the accepted telegrams of a port in the record, their instants in ns, and those of the refused
+        ones, each in order.
 
         A telegram is accepted unless the traffic store or its receiver refuses it
         (:func:`railhil.judge.events.telegrams.judged`, which the invariants use, too).
@@ -90,12 +93,12 @@ class Grid:
                     taken[[number for number, _ in judged(self.trace, item)]] = False
             unread = [time_ns for time_ns, source, _ in self.trace.refused if source == port]
             refused = np.sort(np.concatenate([times_ns[~taken], np.array(unread, dtype=np.int64)]))
-            found = self._received[port] = times_ns[taken], refused
+            found = self._received[port] = np.flatnonzero(taken), times_ns[taken], refused
         return found
 
     def _newest(self, port: str) -> tuple[Ticks, Ticks]:
         """Number of accepted telegrams up to each tick, and the instant of the newest one in ns (0: none yet)."""
-        accepted_ns, _ = self._reception(port)
+        _, accepted_ns, _ = self._reception(port)
         number = np.searchsorted(accepted_ns, self.ticks_ns, side="right")
         return number, np.concatenate([[0], accepted_ns])[number]
 
@@ -106,7 +109,7 @@ class Grid:
     def good(self, port: str) -> FloatArray:
         """Number of telegrams of a port that were accepted in a row: after the last refused one, and without a silence
         of more than :data:`ROW_ENDS_PERIODS` periods."""
-        accepted_ns, refused_ns = self._reception(port)
+        _, accepted_ns, refused_ns = self._reception(port)
         number, newest_ns = self._newest(port)
         silent_ns = np.iinfo(np.int64).max
         if port in self.schedule.periods_ns:
@@ -122,7 +125,7 @@ class Grid:
 
     def bad(self, port: str) -> FloatArray:
         """Number of telegrams of a port that were refused after its last accepted one."""
-        _, refused_ns = self._reception(port)
+        *_, refused_ns = self._reception(port)
         number, newest_ns = self._newest(port)
         before = np.searchsorted(refused_ns, newest_ns, side="right") * (number > 0)
         return np.asarray(np.searchsorted(refused_ns, self.ticks_ns, side="right") - before, dtype=np.float64)

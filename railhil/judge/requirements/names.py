@@ -195,20 +195,20 @@ def _titled(columns: Callable[[Any, Trace], Sequence[Any]], scenario: Any, grid:
 
 def _score_values(key: str) -> Values:
     def values(grid: Grid) -> FloatArray:
-        """At the tick of each stop its own value, and that of the run at the last tick; the score of a run without
-        stops at every tick."""
+        """At the tick of each stop its own value, and that of the run at the last stop and the last tick; the score of
+        a run without stops at every tick."""
         score = grid.record.score
         of_run = score.signed[key] if key in score.signed else score.values.get(key)
         whole = np.nan if of_run is None else of_run
-        own = _OF_STOPS.get(key)
-        if own is not None and score.stops:
-            found = np.full(grid.count, np.nan)
-            found[-1] = whole
-            for stop in score.stops:
-                if stop.standstill is not None and (value := getattr(stop, own)) is not None:
-                    found[min(grid.tick_at(stop.standstill.instant_s), grid.count - 1)] = value
-            return found
-        return np.full(grid.count, whole)
+        if not score.stops:
+            return np.full(grid.count, whole)
+        own, found = _OF_STOPS.get(key), np.full(grid.count, np.nan)
+        found[-1] = whole
+        for stop in score.stops:
+            value = getattr(stop, own) if own else whole if stop is score.stops[-1] else None
+            if stop.standstill is not None and value is not None:
+                found[min(grid.tick_at(stop.standstill.instant_s), grid.count - 1)] = value
+        return found
 
     return values
 

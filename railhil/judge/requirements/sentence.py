@@ -93,7 +93,8 @@ class BoundSentence:
         self.given: Bound | None = None
         if isinstance(body, syntax.At):
             self.given = None if isinstance(body.event, syntax.Limit) else binder.condition(body.event)
-            binder = binder.with_scores()
+            if binder.is_stop(body.event):
+                binder = binder.with_scores()
         self.condition = binder.condition(body.condition)
         periods_ns = self.condition.periods_ns
         self._first = self._last = 0

@@ -18,7 +18,7 @@ from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import Trace
 from railhil.systems.high_speed.ride import SCORED_FROM_MPS, Ride
 from railhil.systems.high_speed.target import journey_curve
-from railhil.wire.high_speed import UnitLevel
+from railhil.wire.high_speed import UnitCause, UnitLevel
 from railhil.wire.power_units import Wire, wire
 
 RMSE = Criterion(
@@ -72,6 +72,8 @@ OF_UNITS = (
 )
 #: Largest difference of a command from that in float64 on the same readings, before it is rounded for the bus, m/s2.
 AUDIT_LIMITS = {"accel": 1e-4}
+#: The wire has no code for the safety loop, and nothing else has a unit act without a cause.
+_UNCAUSED = "the safety loop is open"
 #: The telegram in which the controller reports on its arithmetic.
 _STATUS = Status("LAW_STAT", "LawFlags")
 #: No unit has this level of the ladder.
@@ -111,7 +113,8 @@ def _alone(trace: Trace, truth: str, unit: int) -> str:
     rows = np.flatnonzero(levels != UnitLevel.NORMAL)
     if not len(rows):
         return ""
-    cause = trace.word(truth, f"Cause{unit}", int(trace.raw(truth, f"Cause{unit}")[rows[0]])).replace("_", " ")
+    raw = int(trace.raw(truth, f"Cause{unit}")[rows[0]])
+    cause = trace.word(truth, f"Cause{unit}", raw).replace("_", " ") if raw != UnitCause.NONE else _UNCAUSED
     return f"unit {unit} acted by itself from {trace.times_s(truth)[rows[0]]:.2f} s ({cause})"
 
 
@@ -177,6 +180,7 @@ def _judging(units: int) -> Judging:
                 f"Cause{unit}",
                 (UnitLevel.NORMAL, _HOLD, UnitLevel.TRACTION_CUT, UnitLevel.SERVICE_BRAKE),
                 said=_said,
+                uncaused=_UNCAUSED,
             )
             for unit in range(1, units + 1)
         ),

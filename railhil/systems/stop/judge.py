@@ -55,7 +55,9 @@ _ENDINGS = {
     Event.ENDED_NOT_STOPPED: "the train did not stop",
     Event.ENDED_CONTROLLER_LOST: "controller lost",
 }
+#: The wire has no code for the safety loop, and nothing else has the train act without a cause.
 _SAID: Mapping[str, str] = {
+    "none": "the safety loop is open",
     "command_age": "no new command for three periods",
     "controller_safe": "the controller has no readings",
     "brake_not_answering": "the brake does not answer",
@@ -68,6 +70,7 @@ _WATCH = Watch(
     "BrakeCause",
     tuple(map(int, BrakeLevel)),
     said=lambda scenario, level, cause: _SAID.get(cause, cause),
+    uncaused=_SAID["none"],
 )
 
 

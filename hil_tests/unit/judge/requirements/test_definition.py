@@ -129,7 +129,8 @@ class Defined:
         if isinstance(node, syntax.Number):
             return float(node.value)
         if isinstance(node, syntax.Name) and node.name == "measured_speed":
-            known = [raw for at_ms, raw, _, _ in self._speeds if at_ms <= now]
+            told = zip(self._speeds, self._accepted, strict=True)
+            known = [raw for (at_ms, raw, *_), (_, good) in told if good and at_ms <= now]
             return known[-1] * 1e-4 if known else None
         if isinstance(node, syntax.Name) and node.name == "notch_command":
             known = [raw for at_ms, raw, _ in self._commands if at_ms <= now]

@@ -192,7 +192,18 @@ def test_scores_are_known_at_the_stop_and_at_the_end() -> None:
     record = stopped(250.1)
     assert judged(record, "at stopped time_error <= 0 s").margin == pytest.approx(0.0047)
     assert judged(record, "at end stop_error <= 0.3 m").margin == pytest.approx(0.2)
-    assert judged(record, "at departed stop_error <= 0.3 m").verdict == "says nothing"
+    assert judged(record, "at halt stop_error <= 0.3 m", halt="stopped").verdict == "kept"
+
+
+def test_a_score_of_the_whole_run_is_known_at_its_last_stop_only() -> None:
+    stops = tuple(
+        ScoredStop(PlannedStop(name, 250.0, 0.3, 0.1), Standstill(instant_s, 250.0))
+        for name, instant_s in (("first", 0.05), ("last", 0.2))
+    )
+    score = Score("PASS", {"energy_kj": 3.0}, {}, (), "", stops=stops)
+    events = [(0.05, Event.STOPPED), (0.2, Event.STOPPED)]
+    found = judged(record_of(lost(0, 0), events=events, score=score), "at stopped energy < 4 kJ")
+    assert (found.verdict, found.margin, found.instant_s) == ("kept", 1.0, 0.2)
 
 
 def test_telegrams_in_a_row_begin_anew_after_a_refused_one_and_after_a_silence() -> None:
@@ -208,6 +219,30 @@ def test_telegrams_in_a_row_begin_anew_after_a_refused_one_and_after_a_silence()
     silent = record_of(lost(10, 13))
     assert judged(silent, "from 120 ms to 120 ms, always good(TRN_SPEED) = 0").verdict == "kept"
     assert judged(silent, "from 130 ms to 130 ms, always good(TRN_SPEED) = 1").verdict == "kept"
+
+
+def test_a_telegram_that_its_receiver_refuses_has_no_value() -> None:
+    speeds = lost(0, 0)
+    # Its speed is 0.
+    speeds[8] = REFUSED
+    record = record_of(speeds)
+    for says in ("always measured_speed >= 1 m/s", "always TRN_SPEED.TrainSpeed >= 1 m/s"):
+        assert judged(record, says).margin == 0.0
+    assert judged(record, "eventually bad(TRN_SPEED) = 1").verdict == "kept"
+    first = record_of([REFUSED, 1000, 1000])
+    assert judged(first, "always measured_speed >= 1 m/s").verdict == "kept"
+    none = record_of([REFUSED] * 3)
+    assert judged(none, "always measured_speed >= 1 m/s").verdict == "says nothing"
+
+
+def test_a_margin_at_the_limit_is_0_in_any_unit_and_scale() -> None:
+    record = record_of(lost(0, 0), [(256, RUNNING)] * 15)
+    for says in (
+        "measured_speed <= 1 m/s or notch_command < -1000 notch",
+        "measured_speed <= 1 m/s or measured_speed < -400 km/h",
+        "measured_speed <= 1 m/s and measured_speed < 400 km/h",
+    ):
+        assert judged(record, f"always {says}").margin == 0.0
 
 
 def test_a_margin_of_several_units_has_each_in_its_own() -> None:

@@ -58,6 +58,8 @@ BAD = [
     ("never TRN_SPEED.Speed > 1 m/s", 7, "is no signal of TRN_SPEED"),
     ("at stoped abs(stop_error) <= 0.3 m", 4, "did you mean stopped?"),
     ("never stop_error > 0.3 m", 7, "is a score, which is known only after: at stopped"),
+    ("at departed stop_error <= 0.3 m", 13, "is a score, which is known only after: at stopped, or: at end"),
+    ("at begin of true_speed <= 0 m/s energy < 1 kJ", 33, "is a score, which is known only after: at stopped"),
     ("never train_level >= traction_cutt", 22, "did you mean traction_cut?"),
     ("never train_level >= 2", 22, "stands beside a level"),
     ("never train_level + 1 > 2", 7, "is a level, with which nothing can be computed"),

@@ -163,6 +163,7 @@ JUDGING = Judging(
         ("signal_next", StnInfo.PORT, "SignalNext"),
     ),
     noted=(Noted("worst_stop", "worst stop", "worst_stop_error_m", "m", 4, find_worst_stop),),
+    stop_events=("stopped", "arrived"),
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
