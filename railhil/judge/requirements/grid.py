@@ -68,12 +68,22 @@ class Grid:
             places = self._places[port] = accepted[self._newest(port)[0]]
         return np.append(values, np.nan)[places]
 
+    def _told(self, port: str, values: FloatArray) -> FloatArray:
+        """The same with the newest telegram of all, also one that is refused."""
+        times_ns = np.array(self.trace.times_ns(port), dtype=np.int64)
+        return np.append(values, np.nan)[np.searchsorted(times_ns, self.ticks_ns, side="right") - 1]
+
     def signal(self, port: str, signal: str) -> FloatArray:
-        """A signal in its unit at each tick; NaN where it is not known, and if this record's contract lacks it."""
+        """A signal in its unit at each tick; NaN where it is not known, and if this record's contract lacks it.
+
+        A check variable is one of all telegrams: those that it has refused are told by nothing else.
+        """
         found = self.kept.get((port, signal))
         if found is None:
+            checks = {name for item in self.record.judging.received(self.scenario) for name in item.checks}
+            held = self._told if signal in checks else self.held
             known = self.trace.has(port, signal)
-            found = self.held(port, self.trace.values(port, signal)) if known else np.full(self.count, np.nan)
+            found = held(port, self.trace.values(port, signal)) if known else np.full(self.count, np.nan)
             self.kept[port, signal] = found
         return found
 

@@ -229,6 +229,8 @@ def test_a_telegram_that_its_receiver_refuses_has_no_value() -> None:
     for says in ("always measured_speed >= 1 m/s", "always TRN_SPEED.TrainSpeed >= 1 m/s"):
         assert judged(record, says).margin == 0.0
     assert judged(record, "eventually bad(TRN_SPEED) = 1").verdict == "kept"
+    # Its check variable has: it says why it is refused.
+    assert judged(record, "always TRN_SPEED.SpeedChk = correct").verdict == "violated"
     first = record_of([REFUSED, 1000, 1000])
     assert judged(first, "always measured_speed >= 1 m/s").verdict == "kept"
     none = record_of([REFUSED] * 3)
