@@ -100,6 +100,7 @@ def _command_defines(prefix: str, one: Quantity) -> list[str]:
     """What the bench makes of a command, where that is stated."""
     name = f"{prefix}_{one.name.upper()}"
     return [
+        *([] if one.least is None else [f"#define {name}_MIN {_literal(one.least)}"]),
         *([] if one.largest is None else [f"#define {name}_MAX {_literal(one.largest)}"]),
         *([] if one.step is None else [f"#define {name}_STEP {_literal(one.step)}"]),
     ]

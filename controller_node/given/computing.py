@@ -22,7 +22,7 @@ class Quantity(NamedTuple):
     """A reading, or a command, in its unit.
 
     A reading is a leaf of a law's inputs and state (``in.speed``, ``state.sent[0]``) times a factor. A command is sent
-    within plus and minus ``largest``, as a multiple of ``step`` (None: not stated).
+    from ``least`` (None: minus ``largest``) to ``largest``, as a multiple of ``step`` (None: not stated).
     """
 
     name: str
@@ -31,6 +31,7 @@ class Quantity(NamedTuple):
     factor: float = 1.0
     largest: float | None = None
     step: float | None = None
+    least: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.given.computing import NoParameters, Quantity, SkeletonLaw, Terms
 from railhil.controller_node.program.model import identifier
-from railhil.controller_node.vector.law import Answer, Interface, VectorLaw
+from railhil.controller_node.vector.law import Answer, Command, Interface, VectorLaw
 from railhil.scenarios.model import AnyScenario
 
 
@@ -16,6 +16,11 @@ class Sent(NamedTuple):
     """State: the commands that were really sent last."""
 
     commands: tuple[Any, ...]
+
+
+def _command(one: Command) -> Quantity:
+    least, largest = (raw / 2**one.q for raw in one.bounds)
+    return Quantity(identifier(one.name), one.unit, largest=largest, step=2.0**-one.q, least=least)
 
 
 class GivenVectorLaw(SkeletonLaw, VectorLaw[T, Sent]):
@@ -37,7 +42,7 @@ class GivenVectorLaw(SkeletonLaw, VectorLaw[T, Sent]):
                     for n, one in enumerate(interface.commands)
                 ),
             ),
-            tuple(Quantity(identifier(one.name), one.unit) for one in interface.commands),
+            tuple(_command(one) for one in interface.commands),
             scenario.timing.control_period_ns / 1e9,
         )
         self._zeros = tuple(

@@ -59,9 +59,11 @@ class Scale:
     left_out: tuple[Criterion, ...] = ()
 
     @classmethod
-    def of(cls, scenario: AnyScenario, reference: Sequence[Score]) -> Scale:
+    def of(cls, scenario: AnyScenario, reference: Sequence[Score], source: str = "tune") -> Scale:
         """Limits of the scenario, and medians of the reference law's runs.
 
+        :param reference: none: only the criteria with a limit.
+        :param source: named in the error.
         :raises InputError: no criterion of the system has a scale.
         """
         judging = judging_of(scenario)
@@ -74,7 +76,7 @@ class Scale:
         if not terms:
             keys = ", ".join(criterion.key for criterion in judging.criteria) or "no criterion"
             allowed = "a criterion with a positive limit, or a positive median over the runs of the reference law"
-            raise InputError("tune", scenario.name, Words(keys), allowed)
+            raise InputError(source, scenario.name, Words(keys), allowed)
         return cls(terms, judging.extras, tuple(criterion for criterion, divisor in scaled if not divisor > 0))
 
     @property
