@@ -216,5 +216,5 @@ def word_subset(
             names = [] if level in ("telegram", "bus") else _names_of(word)
             chosen = tuple(name for name in names if chance.random() < 0.5)
             found.append(replace(word, names=chosen) if chosen else word)
-    names = sorted(chance.sample(sorted(ports), chance.randint(1, min(ports_max, len(ports)))))
+    names = sorted(chance.sample(sorted(ports), chance.randint(1, min(ports_max, len(ports))))) if ports else []
     return tuple(found), {name: ports[name] for name in names}

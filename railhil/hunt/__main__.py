@@ -25,7 +25,7 @@ exit codes:
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 
 
-def _ids(text: str) -> tuple[str, ...]:
+def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
@@ -45,12 +45,15 @@ def arguments() -> argparse.ArgumentParser:
     add_options(parser, "--set")
     add_option(parser, "--requirements", default=None)
     note = " requirements the object of the search: ids, or their beginnings"
-    add_option(parser, "--only", note, metavar="INV-4,...", type=_ids)
+    add_option(parser, "--only", note, metavar="INV-4,...", type=_names)
     add_option(parser, "--controller")
     add_option(parser, "--arithmetic")
     add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")
     add_number(parser, Request, "seed")
     parser.add_argument("--strategy", choices=STRATEGIES, help="how cases are made (default: auto, in turn)")
+    note = "what is disturbed: faults, or levels, places and words of them (default: faults)"
+    parser.add_argument("--what", type=_names, metavar="sensors,adhesion,...", help=note)
+    parser.add_argument("--all", action="store_true", help="shrink and keep every case that violates something")
     parser.add_argument("--no-shrink", action="store_true", help="keep the cases as they were found")
     parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
     add_option(parser, "--jobs")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from railhil.faults.model import Word
 from railhil.faults.random_faults import (
     APART_S,
     BEGIN_SHARE,
@@ -30,13 +31,16 @@ _TURN = ("swarm", "swarm", "random")
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """What cases are drawn from: the duration of the timetable in s, the ports on which faults may act with their
-    signals, those that a run without faults sends, and whether a run can inject a fault."""
+    """What cases are drawn from: the duration of the timetable in s; the ports on which faults may act, with their
+    signals; those that a run without faults sends; whether a fault keeps to the bounds and a run can inject it; the
+    words that are drawn; the most faults of a case."""
 
     horizon_s: float
     ports: Ports
     sent: Mapping[str, Sent]
     can_inject: Callable[[str], bool]
+    words: tuple[Word, ...] = field(default_factory=words_drawn)
+    faults_max: int = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +60,8 @@ def _random(chance: random.Random, space: Space) -> list[str]:
     def apart_s() -> float:
         return chance.expovariate(1.0 / APART_S)
 
-    count = chance.randint(*_RANDOM_FAULTS)
-    return random_faults(
-        chance, begin_s, count, apart_s, space.ports, space.sent, words_drawn(), space.can_inject
-    )  # fmt: skip
+    count = min(chance.randint(*_RANDOM_FAULTS), space.faults_max)
+    return random_faults(chance, begin_s, count, apart_s, space.ports, space.sent, space.words, space.can_inject)
 
 
 def _swarm(chance: random.Random, space: Space) -> list[str]:
@@ -70,9 +72,9 @@ def _swarm(chance: random.Random, space: Space) -> list[str]:
         return float(low_s * (high_s / low_s) ** chance.random())
 
     some_ports = {name: space.ports[name] for name in space.ports if name in space.sent}
-    count = chance.randint(*_SWARM_FAULTS)
+    count = min(chance.randint(*_SWARM_FAULTS), space.faults_max)
     while True:
-        words, ports = word_subset(chance, words_drawn(), some_ports, _LEVELS_MAX, _PORTS_MAX)
+        words, ports = word_subset(chance, space.words, some_ports, _LEVELS_MAX, _PORTS_MAX)
         begin_s = chance.uniform(0.0, BEGIN_SHARE * space.horizon_s)
         found = random_faults(chance, begin_s, count, apart_s, ports, space.sent, words, space.can_inject, _TRIES)
         if found:

@@ -152,18 +152,20 @@ def _make(plan: Plan, made: Outcome, engine: Engine, say: Say) -> list[dict[str,
         say(f"{count_of(len(tasks), 'case')} to be made smaller")
     with engine(shrink_case, tasks) as results:
         least = [one for _, one in sorted(results, key=lambda result: result[0])]
-    found = _write(plan, place, _one_of_each(least), engine) if least else []
+    kept = least if plan.request.all else _one_of_each(least)
+    found = _write(plan, place, kept, engine) if kept else []
     write_synced(made.folder / FOUND_LIST, (json.dumps(found, indent=2) + "\n").encode())
     write_hash_list(made.folder)
     return found
 
 
 def _tasks(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> Iterator[ShrinkTask]:
-    """The first violations of each requirement that is searched for."""
+    """The first violations of each requirement that is searched for; all, if the request says so."""
+    most = len(rows) if plan.request.all else SHRUNK_MAX
     counts: dict[str, int] = {}
     for row in rows:
         for name in row["violated"]:
-            if plan.is_searched(name) and counts.get(name, 0) < SHRUNK_MAX:
+            if plan.is_searched(name) and counts.get(name, 0) < most:
                 counts[name] = counts.get(name, 0) + 1
                 yield ShrinkTask(
                     plan.base,

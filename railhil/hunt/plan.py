@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -12,6 +12,7 @@ from pydantic import Field
 from railhil.common.command_line import ARITHMETICS, SEED_MAX, USUAL_SCENARIO
 from railhil.common.errors import InputError
 from railhil.controller_node.controller import make_controller_node
+from railhil.hunt.bounds import Bounds, read_bounds
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
 from railhil.hunt.oracle import BENCH, RULE_ID
 from railhil.judge.requirements.requirement import Requirement, check_requirements, named_requirements
@@ -35,7 +36,8 @@ _OWN_CODE = ("hunt", "study/faultless.py")
 class Request:
     """The request from the command line. ``requirements``: files, and names of systems that ship one. ``controller``,
     ``arithmetic``: empty: the usual one of the scenario's system. ``only``: ids of requirements, or beginnings of them;
-    empty: all."""
+    empty: all. ``what``: is searched, by the names of :mod:`railhil.hunt.bounds`; empty: faults. ``all``: shrink every
+    case that violates something, and keep all."""
 
     scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
@@ -47,6 +49,8 @@ class Request:
     seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = 0
     strategy: Annotated[str, one_of(STRATEGIES)] = "auto"
     no_shrink: bool = False
+    what: tuple[str, ...] = ()
+    all: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +80,7 @@ class Plan:
     scenario: AnyScenario
     base: RunSpec
     requirements: tuple[Requirement, ...]
+    bounds: Bounds
 
     @cached_property
     def space(self) -> Space:
@@ -85,7 +90,14 @@ class Plan:
         """
         system = self.scenario.installed_system
         horizon_s, sent = faultless_run(self.base)
-        return Space(horizon_s, list_disturbed_signals(system), sent, partial(can_inject_in, system, self.base))
+        ports = self.bounds.ports(list_disturbed_signals(system))
+        has_ports = any(name in sent for name in ports)
+        words = tuple(word for word in self.bounds.words() if has_ports or word.level != "telegram")
+
+        def can_inject(text: str) -> bool:
+            return can_inject_in(system, self.base, text) and self.bounds.allows(text)
+
+        return Space(horizon_s, ports, sent, can_inject, words, self.bounds.faults_max)
 
     def cases(self, numbers: Sequence[int]) -> tuple[HuntCase, ...]:
         """The cases with these numbers."""
@@ -115,6 +127,7 @@ class Plan:
             **law.how,
             "seed": self.request.seed,
             "strategy": self.request.strategy,
+            "bounds": self.bounds.as_json(),
             "requirements": [one.as_json() for one in self.requirements],
             "law_sha256": law_sha256(law.controller, self.scenario.system),
             "code_sha256": bench_sha256(),
@@ -131,7 +144,12 @@ class Plan:
     def identity(self) -> dict[str, Any]:
         """The values that must be unchanged when the hunt is resumed."""
         asked = self.request
-        return self.subject | {"runs": asked.runs, "only": list(asked.only), "no_shrink": asked.no_shrink}
+        return self.subject | {
+            "runs": asked.runs,
+            "only": list(asked.only),
+            "no_shrink": asked.no_shrink,
+            "all": asked.all,
+        }
 
     @property
     def own_code(self) -> tuple[str, ...]:
@@ -159,7 +177,8 @@ def make_plan(request: Request) -> Plan:
     requirements = tuple(one for one in requirements if _is_named(one.id, request.only))
     base = RunSpec(request.scenario, request.settings, law, bus="local")
     make_controller_node(scenario, replace(base, seed=0)).close()
-    return Plan(request, scenario, base, requirements)
+    bounds = read_bounds(request.scenario, request.settings, request.what, list_disturbed_signals(system))
+    return Plan(request, scenario, base, requirements, bounds)
 
 
 def _is_named(requirement: str, only: Sequence[str]) -> bool:

@@ -42,8 +42,8 @@ COMPLETE = {
 _KEPT = ("extends", "name", "title", "schema_version")
 
 Table = dict[str, Any]
-#: Keys that explain a scenario.
-_EXPLAINING = (*_KEPT, "assumptions", "published")
+#: Keys that change nothing of a run: they explain the scenario, or are for those that make many runs of it.
+_EXPLAINING = (*_KEPT, "assumptions", "published", "hunt")
 #: A file and a key in it that is left out; without keys, the whole file except its reference to the base.
 Without = tuple[Path, tuple[str, ...]]
 

@@ -39,6 +39,10 @@ _MEANING = {
     "timing.loop_delay_s": "delay from the command to the actuator's response; at most 0.3 s and one control period",
     "timing.port_period_ms": "periods of ports by name, replacing those of the port table: whole multiples of the tick",
     "fault": "[faults](faults.md) to inject: tables [[fault]] or texts",
+    "hunt.faults_max": "most faults of a case of [railhil hunt](../howto/hunt.md); the keys of hunt change no run",
+    "hunt.longest_s": "longest fault of a case (default: as random faults, also to the end of the run)",
+    "hunt.left_out": "levels, places and words of which a hunt makes no faults, such as bus, TRN_SPEED, speed stuck",
+    "hunt.largest": "largest values of a hunt's faults: faults without their beginning, such as speed offset 5km/h",
     "published[].controller": "law of a published row, by its name in railhil",
 }
 #: Ending of a key and its unit, longer endings first.

@@ -119,3 +119,12 @@ FaultRows = list[
         Discriminator(_fault_kind),
     ]
 ]
+
+
+class HuntTable(Table):
+    """Bounds of the cases of ``railhil hunt``, which change nothing of a run."""
+
+    faults_max: Annotated[int, Field(ge=1, le=20)] = 5
+    longest_s: Positive | None = None
+    left_out: list[Text] = []
+    largest: list[Text] = []

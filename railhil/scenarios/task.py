@@ -28,7 +28,17 @@ from railhil.scenarios.carried import Reach, check_carried
 from railhil.scenarios.layers import Layers, add_own_words, faults_of_rows
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing, list_injected_faults, text_sha256
 from railhil.scenarios.reference import Key, keys
-from railhil.scenarios.schema import FAULT_TAGS, RUNNING_TIME_MAX_S, FaultRows, Name, Number, Table, Text, TimingTable
+from railhil.scenarios.schema import (
+    FAULT_TAGS,
+    RUNNING_TIME_MAX_S,
+    FaultRows,
+    HuntTable,
+    Name,
+    Number,
+    Table,
+    Text,
+    TimingTable,
+)
 from railhil.scenarios.system import OfSystem, System
 from railhil.scenarios.validation import Refuse, join_keys, validate
 
@@ -103,6 +113,7 @@ class TaskFile(Table):
     timing: TimingTable = TimingTable()
     published: Annotated[list[dict[Text, Text | Number]], Field(default_factory=list)]
     fault: Annotated[FaultRows, Field(default_factory=list)]
+    hunt: HuntTable = HuntTable()
 
 
 @dataclass(frozen=True, slots=True)

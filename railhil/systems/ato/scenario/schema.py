@@ -14,6 +14,7 @@ from pydantic import Discriminator, Field, Strict, Tag
 from railhil.scenarios.schema import (
     RUNNING_TIME_MAX_S,
     FaultRows,
+    HuntTable,
     Name,
     NotNegative,
     Number,
@@ -292,3 +293,4 @@ class ScenarioFile(Table):
     noise: Annotated[list[Sequence], Field(max_length=1000)] = []
     published: list[PublishedTable] = []
     fault: FaultRows = []
+    hunt: HuntTable = HuntTable()

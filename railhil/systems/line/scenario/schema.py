@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, Tag
 from railhil.scenarios.schema import (
     RUNNING_TIME_MAX_S,
     FaultRows,
+    HuntTable,
     Name,
     NotNegative,
     Pair,
@@ -211,3 +212,4 @@ class LineScenarioFile(Table):
     perturbations: PerturbationsTable = PerturbationsTable()
     published: list[schema.PublishedTable] = []
     fault: FaultRows = []
+    hunt: HuntTable = HuntTable()
