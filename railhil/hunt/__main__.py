@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 
 from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.hunt.cases import STRATEGIES
-from railhil.hunt.plan import Plan, Request
+from railhil.hunt.plan import RUNS_MAX, Plan, Request
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number
 from railhil.study.engines import ENGINES
 
 _VERIFIED_RUNS = 3
+_TIME = re.compile(r"(\d+(?:\.\d+)?)(s|min|h)", re.ASCII)
+_UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 _EXIT_CODES = """\
 exit codes:
   0    no violation was found (this is not absence); --verify: the bench gives the same results
@@ -49,6 +52,9 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--controller")
     add_option(parser, "--arithmetic")
     add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")
+    parser.add_argument(
+        "--time", type=_time_s, metavar="30min", help="end with the runs made in this time, h, min or s"
+    )
     add_number(parser, Request, "seed")
     parser.add_argument("--strategy", choices=STRATEGIES, help="how cases are made (default: auto, in turn)")
     note = "what is disturbed: faults, or levels, places and words of them (default: faults)"
@@ -61,7 +67,20 @@ def arguments() -> argparse.ArgumentParser:
     return parser
 
 
-def _check_engine(namespace: argparse.Namespace) -> None:
+def _time_s(text: str) -> float:
+    match = _TIME.fullmatch(text)
+    if match is None or float(match[1]) <= 0:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed a time above 0, such as 90s, 30min or 2h")
+    return float(match[1]) * _UNITS_S[match[2]]
+
+
+def _check(namespace: argparse.Namespace) -> None:
+    if namespace.time is not None:
+        if namespace.shard is not None:
+            raise InputError("command line", "--time", "--shard", Sentence("used only without --shard"))
+        if namespace.runs is None and namespace.resume is None and namespace.verify is None:
+            # It ends by time.
+            namespace.runs = RUNS_MAX
     if namespace.jobs is not None and namespace.engine != "processes":
         raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine processes"))
     if namespace.scheduler is not None and namespace.engine != "dask":
@@ -74,10 +93,11 @@ COMMAND: Command[Plan] = Command(
     Request,
     arguments,
     verified=("runs", _VERIFIED_RUNS),
-    only_run=("json",),
-    check=_check_engine,
+    only_run=("json", "time"),
+    check=_check,
     engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: ("", None),
+    time_s=lambda namespace: namespace.time,
 )
 
 

@@ -181,5 +181,10 @@ def make_plan(request: Request) -> Plan:
     return Plan(request, scenario, base, requirements, bounds)
 
 
+def cut(plan: Plan, chunks: int) -> Plan:
+    """The plan of the first parts of a hunt, which has other parts behind them."""
+    return replace(plan, request=replace(plan.request, runs=chunks * PART_RUNS))
+
+
 def _is_named(requirement: str, only: Sequence[str]) -> bool:
     return not only or any(requirement.startswith(one) for one in only)

@@ -13,7 +13,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.hunt.cases import HuntCase
 from railhil.hunt.found import shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
-from railhil.hunt.plan import Chunk, Plan, Request, make_plan
+from railhil.hunt.plan import Chunk, Plan, Request, cut, make_plan
 from railhil.hunt.show import show
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
@@ -216,4 +216,5 @@ HUNT: Study[Plan, Chunk] = Study(
     show=lambda console, plan, made, line: show(console, plan, made),
     finish=shrink_violations,
     exit_code=exit_code,
+    cut=cut,
 )

@@ -136,7 +136,8 @@ class Command(Generic[P]):
     line) -> name and number of processes (None: one per core). ``how``: (plan) -> remark on the making of the runs
     (empty: none), and the module with compiled loops (None: nothing is compiled). ``code``: (command line) ->
     controllers of the user that its ``--laws`` name, by their texts; then the study's ``make_plan`` takes them as
-    ``code``.
+    ``code``. ``time_s``: (command line) -> wall time after which the study ends with what is there, in s; None: it
+    ends with its last run.
     """
 
     name: str
@@ -149,6 +150,7 @@ class Command(Generic[P]):
     engine: Callable[[argparse.Namespace], tuple[str, int | None]]
     how: Callable[[P], tuple[str, str | None]]
     code: Callable[[argparse.Namespace], Mapping[str, GivenController]] = lambda namespace: {}
+    time_s: Callable[[argparse.Namespace], float | None] = lambda namespace: None
 
     def main(self, words: Sequence[str] | None = None) -> int:
         """Run, resume or verify; returns the exit code."""
@@ -224,7 +226,9 @@ class Command(Generic[P]):
             need("numba", *self._extras(namespace), command=self.name)
             say_compiling(say, kernel)
         with running(name, say, jobs, namespace.scheduler) as engine:
-            made = execute(study, plan, resumed or namespace.out, console, engine, say, namespace.shard)
+            made = execute(
+                study, plan, resumed or namespace.out, console, engine, say, namespace.shard, self.time_s(namespace)
+            )
             if made.is_whole:
                 made = study.finish(plan, made, engine, say)
         if not made.is_whole:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import monotonic, process_time
-from typing import Any
+from typing import Any, overload
 
 import pyarrow as pa
 from rich.console import Console
@@ -21,7 +22,7 @@ from railhil.study.engines import Engine
 from railhil.study.parts import PartsFolder, opened
 from railhil.study.plan import C, P, Shard, Study
 from railhil.study.table import NotThePart
-from railhil.study.work import run_task, task_of
+from railhil.study.work import Task, run_task, task_of
 
 #: Time for which a shard waits for the folder: others that begin or end lock it for a moment.
 _OTHERS_S = 10.0
@@ -58,6 +59,7 @@ def execute(
     engine: Engine,
     say: Callable[[str], None],
     shard: Shard | None = None,
+    time_s: float | None = None,
 ) -> Outcome:
     """Make the missing parts, then join and summarise them.
 
@@ -65,6 +67,8 @@ def execute(
     :param console: for progress (standard error).
     :param say: for remarks.
     :param shard: make only its parts; the process that finds all parts there joins them.
+    :param time_s: wall time after which no further part is waited for; the study is then cut to the parts that are
+        there without a gap, at least one. None: all parts are made.
     :raises InputError: the folder cannot be used, or a law has failed.
     :raises Stopped: workers or parts were lost, or the record can no longer be written.
     """
@@ -78,13 +82,38 @@ def execute(
                 return Outcome(folder.path, None, {})
     try:
         with opened(study, plan, out, wait_s=wait_s) as folder, _kept(study, folder, say):
-            _make_parts(study, plan, folder, console, engine, say)
-            return Outcome(folder.path, *folder.write_results())
+            _make_parts(study, plan, folder, console, engine, say, time_s)
+            if folder.is_whole():
+                return Outcome(folder.path, *folder.write_results())
+            folder.cut()
+            made = Outcome(folder.path, *folder.write_results())
+            folder.write_manifest()
+            return made
     except InUse:
         # Another shard will join the parts.
         if shard is None:
             raise
         return Outcome(folder.path, None, {})
+
+
+class _Tasks(Sequence[Task]):
+    """The tasks of chunks, each made when it is given out: a study that ends by time has many more."""
+
+    def __init__(self, study: Study[P, C], plan: P, chunks: Sequence[C]) -> None:
+        self._make: Callable[[C], Task] = partial(task_of, study, plan)
+        self._chunks = chunks
+
+    def __len__(self) -> int:
+        return len(self._chunks)
+
+    @overload
+    def __getitem__(self, place: int) -> Task: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[Task]: ...
+    def __getitem__(self, place: int | slice) -> Task | Sequence[Task]:
+        if isinstance(place, slice):
+            return [*map(self._make, self._chunks[place])]
+        return self._make(self._chunks[place])
 
 
 @contextmanager
@@ -126,21 +155,27 @@ def _make_parts(
     console: Console,
     engine: Engine,
     say: Callable[[str], None],
+    time_s: float | None = None,
 ) -> None:
-    """Make the missing parts of a folder, with remarks on those that are there and on the time taken."""
+    """Make the missing parts of a folder, with remarks on those that are there and on the time taken.
+
+    :param time_s: as for :func:`execute`.
+    """
     left, complaints = folder.missing()
     for complaint in complaints:
         say(complaint)
     total, kept = folder.total, folder.kept()
     if kept:
         say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
-    tasks = [task_of(study, plan, chunk) for chunk in left]
+    tasks = _Tasks(study, plan, left)
     began_s, used_s, new = monotonic(), process_time(), 0
     with engine(run_task, tasks) as made, show_progress(console, "runs", total, kept) as shown:
         for place, (name, content) in made:
             folder.write_part(name, content)
             new += left[place].runs
             shown(kept + new, f"runs, {new / (monotonic() - began_s):,.0f}/s")
+            if time_s is not None and monotonic() - began_s >= time_s and folder.leading():
+                break
     if new:
         wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
         said = count_of(new, "run", spec=",")

@@ -145,6 +145,29 @@ class PartsFolder(Generic[P, C]):
         """Whether every part of the study is there, also those of other shards."""
         return all(self.part(chunk).exists() for chunk in self._all)
 
+    def leading(self) -> int:
+        """How many parts are there without a gap, from the first one on."""
+        return next((place for place, chunk in enumerate(self._all) if not self.part(chunk).exists()), len(self._all))
+
+    def cut(self) -> None:
+        """Make the study one of its leading parts; parts behind a gap are removed. Raises RecordFailed."""
+        assert self._study.cut is not None
+        count = self.leading()
+        surplus = [self.part(chunk) for chunk in self._all[count:] if self.part(chunk).exists()]
+        with self._writing(self.path / HASH_LIST):
+            for path in surplus:
+                path.unlink()
+            if self._hashes is not None:
+                names = {path.relative_to(self.path).as_posix() for path in surplus}
+                self._hashes = {name: sha256 for name, sha256 in self._hashes.items() if name not in names}
+                write_hashes(self.path, self._hashes)
+        self._plan = self._study.cut(self._plan, count)
+        self._all = self._chunks = self._plan.chunks()
+
+    def write_manifest(self) -> None:
+        """Write the manifest of a study that was :meth:`cut`. It is written last, because it holds the lock."""
+        self._write(Path(self._study.manifest), _manifest_bytes(self._study, self._plan))
+
     def write_part(self, name: str, content: bytes) -> None:
         """Write a part. Raises RecordFailed."""
         self._write(Path(PARTS) / f"{name}.parquet", content)

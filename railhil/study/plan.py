@@ -85,7 +85,8 @@ class Study(Generic[P, C]):
     ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
     differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console, plan,
     outcome, that line) prints the tables. ``finish``: (plan, outcome, engine, say) -> the outcome with what is made of
-    all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command.
+    all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command. ``cut``: (plan, n) -> the plan
+    of its first n chunks, for a study that may end by time; None: it may not.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Study(Generic[P, C]):
     show: Callable[[Output, P, Outcome, str], None]
     finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
     exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS
+    cut: Callable[[P, int], P] | None = None
 
     @property
     def command(self) -> str:

@@ -24,8 +24,10 @@ from railhil.hunt.oracle import BENCH, Judged
 from railhil.hunt.plan import Plan, Request, make_plan
 from railhil.hunt.show import lines
 from railhil.hunt.study import HUNT, exit_code
+from railhil.record.hash_list import check_hash_list
 from railhil.scenarios.run_spec import RunSpec
 from railhil.study.execute import Outcome, Stopped, execute
+from railhil.study.manifest import read_manifest
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -83,6 +85,13 @@ def backwards(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterato
 
 
 @contextmanager
+def first_two_and_last(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterator[tuple[int, R]]]:
+    """As several processes may do: the first parts come last."""
+    places = [len(items) - 1, 1, 0] if len(items) > 2 else [*range(len(items))]
+    yield ((place, work(items[place])) for place in places)
+
+
+@contextmanager
 def dies_after_one(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[Iterator[tuple[int, R]]]:
     def results() -> Iterator[tuple[int, R]]:
         yield 0, work(items[0])
@@ -91,10 +100,11 @@ def dies_after_one(work: Callable[[T], R], items: Sequence[T], /) -> Iterator[It
     yield results()
 
 
-def hunt(folder: Path, engine: Any = straight, **asked: Any) -> tuple[Plan, Outcome]:
+def hunt(folder: Path, engine: Any = straight, time_s: float | None = None, **asked: Any) -> tuple[Plan, Outcome]:
     made_plan = make_plan(Request(**{"runs": 40, "seed": 5, **asked}))
     said: list[str] = []
-    made = execute(HUNT, made_plan, str(folder), Console(file=io.StringIO()), engine, said.append)
+    console = Console(file=io.StringIO())
+    made = execute(HUNT, made_plan, str(folder), console, engine, said.append, time_s=time_s)
     return made_plan, HUNT.finish(made_plan, made, engine, said.append)
 
 
@@ -171,6 +181,24 @@ def test_a_longer_hunt_begins_with_the_cases_of_a_shorter_one(bench: MadeUpBench
     hunt(tmp_path / "b", runs=24, no_shrink=True)
     short, long = ((tmp_path / name / "cases.jsonl").read_text().splitlines() for name in "ab")
     assert long[:16] == short
+
+
+def test_a_hunt_that_ends_by_time_is_one_of_the_runs_made(bench: MadeUpBench, tmp_path: Path) -> None:
+    hunt(tmp_path / "a", runs=16)
+    hunt(tmp_path / "b", first_two_and_last, time_s=1e-9, runs=80)
+    assert cases_and_found(tmp_path / "a") == cases_and_found(tmp_path / "b")
+    assert read_manifest(tmp_path / "b", HUNT) == read_manifest(tmp_path / "a", HUNT)
+    parts = sorted(path.name for path in (tmp_path / "b/parts").iterdir())
+    assert parts == ["cases-000000.parquet", "cases-000001.parquet"]
+    check_hash_list(tmp_path / "b", HUNT.manifest, None)
+    made_before = len(bench.runs)
+    hunt(tmp_path / "b", runs=16)
+    assert len(bench.runs) == made_before
+
+
+def test_a_hunt_whose_time_is_long_makes_all_its_runs(bench: MadeUpBench, tmp_path: Path) -> None:
+    _, made = hunt(tmp_path / "a", time_s=1e6, runs=16)
+    assert made.summary["runs"] == 16
 
 
 def test_a_finished_hunt_makes_no_run_again(bench: MadeUpBench, tmp_path: Path) -> None:
@@ -278,6 +306,8 @@ def test_on_the_bench_the_file_repeats_the_run_over_the_bus(short: Path) -> None
         (["--controller", "nobody"], "--controller: found 'nobody'"),
         (["--scheduler", "tcp://here:1"], "--scheduler: used only with --engine dask"),
         (["--runs", "0"], "argument --runs"),
+        (["--time", "5 days"], "argument --time: found 5 days, allowed a time above 0"),
+        (["--time", "1h", "--shard", "1/2", "--out", "x"], "--time: used only without --shard"),
     ],
 )
 def test_bad_input_is_one_line(words: list[str], said: str) -> None:
