@@ -30,6 +30,7 @@ from railhil.report.facts import parameters_sentence
 from railhil.run.make import NeverBegan, record_run
 from railhil.run.report import as_recorded, report_line
 from railhil.run.run import Observer, Plan
+from railhil.run.spec import with_requirements
 from railhil.scenarios.given import given_controller
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import SECTIONS, add_option
@@ -163,6 +164,7 @@ def work(namespace: argparse.Namespace) -> int:
     check_key(namespace.sign)
     scenario = wanted[0].load()
     plan, notes = _checked(namespace, scenario, wanted)
+    plan = [with_requirements(spec, ()) for spec in plan]
     console = Output(stderr=namespace.json)
     for sentence in notes:
         console.say(sentence)

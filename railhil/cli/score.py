@@ -31,17 +31,25 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def further_required(record: Record, words: Sequence[str]) -> Record:
+def further_required(record: Record, words: Sequence[str], scenario: str = "") -> Record:
     """The record, judged by further requirements, too; those that it is judged by already count once.
+
+    :param scenario: whose own requirements are further ones, too; empty: none.
 
     :raises InputError: a file cannot be read, a sentence does not fit, or an id is given twice.
     """
     from railhil.judge.requirements.outcome import with_requirements
-    from railhil.judge.requirements.requirement import check_requirements, named_requirements, requirements_from_json
+    from railhil.judge.requirements.requirement import (
+        check_requirements,
+        named_requirements,
+        requirements_from_json,
+        scenario_requirements,
+    )
 
     path = record.folder / CERTIFICATE
     known = requirements_from_json(required(record.certificate, path), path)
-    further = named_requirements(words, known)
+    own = [one for one in scenario_requirements(scenario) if one not in known] if scenario else []
+    further = [*own, *named_requirements(words, (*known, *own))]
     check_requirements([*known, *further], record.scenario)
     return record.copy_with(score=with_requirements(record, further))
 
@@ -49,8 +57,8 @@ def further_required(record: Record, words: Sequence[str]) -> Record:
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
-    if namespace.requirements:
-        record = further_required(record, namespace.requirements)
+    if namespace.requirements or namespace.scenario:
+        record = further_required(record, namespace.requirements, namespace.scenario or "")
     found, events = record.score, record.events
     reason = why(record.scenario, events)
     verdict, line = found.verdict, "; ".join(found.failures)

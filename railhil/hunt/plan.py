@@ -15,7 +15,12 @@ from railhil.controller_node.controller import make_controller_node
 from railhil.hunt.bounds import Bounds, read_bounds
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
 from railhil.hunt.oracle import BENCH, RULE_ID
-from railhil.judge.requirements.requirement import Requirement, check_requirements, named_requirements
+from railhil.judge.requirements.requirement import (
+    Requirement,
+    check_requirements,
+    named_requirements,
+    scenario_requirements,
+)
 from railhil.scenarios.fault_list import list_disturbed_signals
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -167,7 +172,8 @@ def make_plan(request: Request) -> Plan:
     if request.controller:
         system.check_law(request.controller, "command line", "--controller")
     law = LawSpec(request.controller or system.law, request.arithmetic or system.arithmetic)
-    requirements = named_requirements(request.requirements)
+    own = scenario_requirements(request.scenario, request.settings)
+    requirements = (*own, *named_requirements(request.requirements, own))
     check_requirements(requirements, scenario)
     for only in request.only:
         ids = [one.id for one in requirements]

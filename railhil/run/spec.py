@@ -17,7 +17,7 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.record.run_folder import PARAMETERS
 from railhil.scenarios.given import GivenController, NamedCode, given_controller, given_controllers, refuse_beside
-from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.load import load_any, sentences, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -169,18 +169,22 @@ def texts_of(given: Files) -> tuple[str, ...]:
 
 
 def with_requirements(spec: RunSpec, words: Files) -> RunSpec:
-    """The run, judged by further requirements: those of files, or of systems by their names.
+    """The run, judged by further requirements: those of its scenario, of files, or of systems by their names.
+
+    The description of a recorded run has those of its scenario already: they are not read again.
 
     :raises InputError: a file cannot be read, or is wrong.
     """
-    if not words:
+    has_own = any(one.get("file") == spec.scenario for one in spec.requirements)
+    own = {} if has_own else sentences(spec.scenario, spec.settings)
+    if not own and not words:
         return spec
     # A run without requirements does not load their language.
-    from railhil.judge.requirements.requirement import named_requirements, requirements_from_json
+    from railhil.judge.requirements.requirement import named_requirements, requirements_from_json, requirements_in
 
-    known = requirements_from_json(spec.requirements, REQUIREMENTS)
-    further = [one.as_json() for one in named_requirements(texts_of(words), known)]
-    return replace(spec, requirements=(*spec.requirements, *further))
+    known = (*requirements_in(own, spec.scenario), *requirements_from_json(spec.requirements, REQUIREMENTS))
+    further = named_requirements(texts_of(words), known)
+    return replace(spec, requirements=tuple(one.as_json() for one in (*known, *further)))
 
 
 def parameters_of(given: Parameters | None, law: str) -> ParameterSet | None:

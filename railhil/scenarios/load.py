@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file, short_repr
-from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
+from railhil.scenarios.layers import DATA, SENTENCES, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import SET
 from railhil.scenarios.system import DEFAULT, system_named
@@ -93,6 +93,16 @@ def find(name_or_path: str | Path) -> Path:
         allowed = f"a path ending in .toml, or {names_allowed}"
         raise InputError("scenario", "name", text, allowed, hint)
     return RUNS / f"{name}.toml"
+
+
+def sentences(name_or_path: str | Path, settings: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of a scenario with which its runs are judged by sentences: ``requirement`` and ``define``; empty if it
+    has no requirement.
+
+    :raises InputError: a file cannot be read.
+    """
+    table = Layers(find(name_or_path), settings).merge()
+    return {key: table[key] for key in SENTENCES if key in table} if table.get(SENTENCES[0]) else {}
 
 
 def stable_name(name_or_path: str) -> str:

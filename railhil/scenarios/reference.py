@@ -39,6 +39,13 @@ _MEANING = {
     "timing.loop_delay_s": "delay from the command to the actuator's response; at most 0.3 s and one control period",
     "timing.port_period_ms": "periods of ports by name, replacing those of the port table: whole multiples of the tick",
     "fault": "[faults](faults.md) to inject: tables [[fault]] or texts",
+    "requirement[].id": "of a [sentence](requirements.md) that judges the run; changes an inherited one of this id",
+    "requirement[].says": "the sentence; requirements change nothing of the run",
+    "requirement[].title": "what it demands, for readers",
+    "requirement[].note": "for readers",
+    "requirement[].source": "where it comes from, or chosen",
+    "requirement[].when.faults": "none: only runs without faults have to keep it",
+    "define": "names that the sentences of the scenario may use, with their texts",
     "hunt.faults_max": "most faults of a case of [railhil hunt](../howto/hunt.md); the keys of hunt change no run",
     "hunt.longest_s": "longest fault of a case (default: as random faults, also to the end of the run)",
     "hunt.left_out": "levels, places and words of which a hunt makes no faults, such as bus, TRN_SPEED, speed stuck",
@@ -187,7 +194,9 @@ def _describe_choice(node: Schema) -> str:
         return f"{node['const']}"
     kind = node.get("type")
     if kind == "object":
-        return f"table of {_describe_allowed(node['additionalProperties'])}"
+        # Names with a form stand under it.
+        values = {"": node.get("additionalProperties"), **node.get("patternProperties", {})}
+        return f"table of {_describe_allowed([*values.values()][-1])}"
     if kind == "array" and "prefixItems" in node:
         return f"[{', '.join('number' for _ in node['prefixItems'])}]"
     if kind == "array":

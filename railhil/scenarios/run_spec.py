@@ -316,6 +316,8 @@ class RunSpec:
         words += [word for text in self.orders for word in (ORDER, text)]
         words += self.plant_fmu.words if self.plant_fmu is not None else []
         files = dict.fromkeys(str(one["file"]) for one in self.requirements if one.get("file"))
+        # The scenario has its own.
+        files.pop(self.scenario, None)
         words += [word for file in files for word in ("--requirements", file)]
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])

@@ -121,6 +121,31 @@ FaultRows = list[
 ]
 
 
+class RequiredRunsTable(Table):
+    """``when`` of a requirement: the runs that it is about."""
+
+    faults: Literal["any", "none"] = "any"
+
+
+class RequirementTable(Table):
+    """One ``[[requirement]]`` of a scenario file or of a file of requirements
+    (:mod:`railhil.judge.requirements.requirement`)."""
+
+    id: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$", max_length=40)]
+    says: Annotated[str, Field(min_length=1)]
+    title: Annotated[str, Field(max_length=200)] = ""
+    note: Annotated[str, Field(max_length=1000)] = ""
+    source: Annotated[str, Field(max_length=500)] = ""
+    when: RequiredRunsTable = RequiredRunsTable()
+
+
+RequirementRows = Annotated[list[RequirementTable], Field(default_factory=list)]
+#: ``[define]``: names that sentences may use, with their texts.
+DefineTable = Annotated[
+    dict[Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=80)], str], Field(default_factory=dict)
+]
+
+
 class HuntTable(Table):
     """Bounds of the cases of ``railhil hunt``, which change nothing of a run."""
 

@@ -31,10 +31,12 @@ from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import (
     FAULT_TAGS,
     RUNNING_TIME_MAX_S,
+    DefineTable,
     FaultRows,
     HuntTable,
     Name,
     Number,
+    RequirementRows,
     Table,
     Text,
     TimingTable,
@@ -113,6 +115,8 @@ class TaskFile(Table):
     timing: TimingTable = TimingTable()
     published: Annotated[list[dict[Text, Text | Number]], Field(default_factory=list)]
     fault: Annotated[FaultRows, Field(default_factory=list)]
+    requirement: RequirementRows
+    define: DefineTable
     hunt: HuntTable = HuntTable()
 
 

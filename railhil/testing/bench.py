@@ -14,7 +14,7 @@ from railhil.common.errors import InputError, Words
 from railhil.record.documents import CERTIFICATE
 from railhil.record.hash_list import REPORT
 from railhil.run.report import report_line
-from railhil.run.spec import bus_of, checked_spec, spec_of
+from railhil.run.spec import bus_of, checked_spec, spec_of, with_requirements
 from railhil.scenarios.run_spec import RunSpec
 from railhil.testing.live import Live
 from railhil.testing.result import Run
@@ -82,7 +82,8 @@ class Bench:
             found = self.settings.bus
             raise InputError("bench.start", "bus", found, "local: on a bus the test does not hold the clock")
         given = self._given(seed, perturbed, spec)
-        made, scenario = checked_spec(self._on_target(spec_of(given.pop("scenario"), bus="local", **given)))
+        asked = with_requirements(spec_of(given.pop("scenario"), bus="local", **given), ())
+        made, scenario = checked_spec(self._on_target(asked))
         folder = self._new_folder()
         live = Live(made, scenario, folder, self.runs.append)
         self._live.append(live)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
-
-from pydantic import Field
+from typing import Any, Literal
 
 from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
@@ -16,36 +14,20 @@ from railhil.judge.requirements.parser import parse_definition, parse_sentence
 from railhil.judge.requirements.sentence import BoundSentence
 from railhil.judge.requirements.words import FUNCTIONS, KEYWORDS, SentenceError
 from railhil.record.trace import Trace
+from railhil.scenarios.load import sentences
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.schema import Table
+from railhil.scenarios.schema import DefineTable, RequirementRows, Table
 from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import validate
 
 
-class WhenTable(Table):
-    """``when``: the runs that a requirement is about."""
-
-    faults: Literal["any", "none"] = "any"
-
-
-class RequirementTable(Table):
-    """One ``[[requirement]]``."""
-
-    id: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$", max_length=40)]
-    says: Annotated[str, Field(min_length=1)]
-    title: Annotated[str, Field(max_length=200)] = ""
-    note: Annotated[str, Field(max_length=1000)] = ""
-    source: Annotated[str, Field(max_length=500)] = ""
-    when: WhenTable = WhenTable()
-
-
 class RequirementsTable(Table):
     """The tables of a file of requirements, or of the part of a scenario file."""
 
-    requirement: list[RequirementTable] = Field(default_factory=list)
-    define: dict[Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=80)], str] = Field(default_factory=dict)
+    requirement: RequirementRows
+    define: DefineTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +103,15 @@ def requirements_in(tables: Mapping[str, Any], file: str | Path) -> tuple[Requir
             raise requirement.refused(error) from None
         requirements.append(requirement)
     return tuple(requirements)
+
+
+def scenario_requirements(name: str, settings: Sequence[str] = ()) -> tuple[Requirement, ...]:
+    """The requirements of a scenario's own files; none if they have no ``[[requirement]]``.
+
+    :param name: as it is recorded in the run (:func:`railhil.scenarios.load.stable_name`).
+    :raises InputError: they are wrong.
+    """
+    return requirements_in(sentences(name, settings), name)
 
 
 def requirements_from_json(tables: Iterable[Any], file: str | Path) -> tuple[Requirement, ...]:

@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, Strict, Tag
 
 from railhil.scenarios.schema import (
     RUNNING_TIME_MAX_S,
+    DefineTable,
     FaultRows,
     HuntTable,
     Name,
@@ -21,6 +22,7 @@ from railhil.scenarios.schema import (
     Pair,
     Pairs,
     Positive,
+    RequirementRows,
     Table,
     Text,
     TimingTable,
@@ -293,4 +295,6 @@ class ScenarioFile(Table):
     noise: Annotated[list[Sequence], Field(max_length=1000)] = []
     published: list[PublishedTable] = []
     fault: FaultRows = []
+    requirement: RequirementRows
+    define: DefineTable
     hunt: HuntTable = HuntTable()

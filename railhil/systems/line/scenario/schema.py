@@ -12,12 +12,14 @@ from pydantic import Discriminator, Field, Tag
 
 from railhil.scenarios.schema import (
     RUNNING_TIME_MAX_S,
+    DefineTable,
     FaultRows,
     HuntTable,
     Name,
     NotNegative,
     Pair,
     Positive,
+    RequirementRows,
     Table,
     Text,
     TimingTable,
@@ -212,4 +214,6 @@ class LineScenarioFile(Table):
     perturbations: PerturbationsTable = PerturbationsTable()
     published: list[schema.PublishedTable] = []
     fault: FaultRows = []
+    requirement: RequirementRows
+    define: DefineTable
     hunt: HuntTable = HuntTable()
