@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
@@ -16,8 +17,8 @@ from railhil.record.hash_list import REPORT, check_hash_list
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option
 
-#: The file by which the folder of a campaign is known.
-_CAMPAIGN = "campaign.json"
+#: Studies with a page of their own: the file by which the folder of one is known, and the module that writes the page.
+_STUDIES = {"campaign.json": "railhil.campaign.report", "hunt.json": "railhil.hunt.study"}
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -30,7 +31,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ],
     )
     parser.add_argument(
-        "folder", nargs="+", metavar="DIR", help="run folder, or the folder of a comparison or of a campaign"
+        "folder", nargs="+", metavar="DIR", help="run folder, or the folder of a comparison, a campaign or a hunt"
     )
     add_option(parser, "--scenario")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
@@ -44,8 +45,8 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing_library("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
-    if any((path / _CAMPAIGN).is_file() for path in given):
-        return _campaign(given, namespace)
+    if found := next((name for name in _STUDIES for path in given if (path / name).is_file()), ""):
+        return _study(given, namespace, found)
     folders: list[Path] = []
     notes: list[str] = []
     for path in given:
@@ -69,17 +70,21 @@ def work(namespace: argparse.Namespace) -> int:
     return 0
 
 
-def _campaign(given: Sequence[Path], namespace: argparse.Namespace) -> int:
-    """The report of a campaign."""
+def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> int:
+    """The report of a campaign or of a hunt.
+
+    :param name: of the file by which it is known.
+    """
+    kind = name.removesuffix(".json")
     if len(given) > 1 or namespace.scenario is not None:
-        found = Words("a campaign beside other folders or --scenario")
-        raise InputError("command line", "folder", found, "one campaign alone")
+        found = Words(f"a {kind} beside other folders or --scenario")
+        raise InputError("command line", "folder", found, f"one {kind} alone")
     try:
-        from railhil.campaign.report import report_of
+        module = import_module(_STUDIES[name])
     except ImportError as error:
-        raise missing_library("railhil report of a campaign", error, "campaign") from None
+        raise missing_library(f"railhil report of a {kind}", error, "campaign") from None
     out = given[0] / REPORT if namespace.out is None else Path(namespace.out)
     with refuse_unwritable("--out", out, "file"):
-        report_of(given[0], out)
+        module.report_of(given[0], out)
     Output().say(str(out))
     return 0

@@ -63,7 +63,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--no-shrink", action="store_true", help="keep the cases as they were found")
     parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
     add_option(parser, "--jobs")
-    add_folder_arguments(parser, "hunt", with_report=False)
+    add_folder_arguments(parser, "hunt", with_report=True)
     return parser
 
 

@@ -12,20 +12,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import count_of
-from railhil.common.errors import describe_os_error
+from railhil.common.errors import InputError, describe_os_error
 from railhil.common.user_files import RecordFailed, write_synced
 from railhil.faults.language import parse
 from railhil.faults.notation import place_text
-from railhil.hunt.oracle import Judged, run_case
+from railhil.hunt.nearest import nearest_case
+from railhil.hunt.oracle import Judged, judge_result, run_case
 from railhil.hunt.shrink import Shrunk, shrink
+from railhil.judge.record import checked_record
+from railhil.record.documents import CERTIFICATE
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import read_hash_list, write_hash_list
+from railhil.run.no_return import NoReturn, find_no_return
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import set_words
 
 if TYPE_CHECKING:
     from railhil.hunt.plan import Plan
     from railhil.judge.requirements.requirement import Requirement
+    from railhil.judge.result import Result
     from railhil.study.engines import Engine, Say
     from railhil.study.execute import Outcome
 
@@ -33,6 +38,9 @@ if TYPE_CHECKING:
 CASES, FOUND, FOUND_LIST = "cases.jsonl", "found", "found.json"
 #: Cases of each requirement that are shrunk: the first ones.
 SHRUNK_MAX = 3
+#: Ends of the names of run folders beside that of a least case: the same run without the faults of the case, and the
+#: nearest case that keeps the requirement.
+WITHOUT, PASSING = "-without", "-passing"
 _CLASS_WORDS = " and "
 
 
@@ -53,12 +61,14 @@ class ShrinkTask:
 
 @dataclass(frozen=True, slots=True)
 class Least:
-    """The least case of a task, and its run; ``said``: how that one violates the requirement."""
+    """The least case of a task, and its run; ``said``: how that one violates the requirement. ``passing``: faults of
+    the nearest case of its shrinking that keeps it; None: there is none."""
 
     task: ShrinkTask
     shrunk: Shrunk
     said: str
     frames_sha256: str
+    passing: tuple[str, ...] | None
 
     @property
     def kind(self) -> tuple[str, str]:
@@ -86,22 +96,41 @@ def shrink_case(task: ShrinkTask) -> Least:
     key = (least.faults, least.seed)
     if key not in runs:
         violates(*key)
-    return Least(task, least, runs[key].violated.get(task.requirement, ""), runs[key].frames_sha256)
+    others = (
+        faults
+        for (faults, seed), found in runs.items()
+        if seed == least.seed and found.is_valid and not found.idle and task.requirement not in found.violated
+    )
+    passing = nearest_case(least.faults, others)
+    said = runs[key].violated.get(task.requirement, "")
+    return Least(task, least, said, runs[key].frames_sha256, passing)
 
 
 @dataclass(frozen=True, slots=True)
-class _FileRun:
-    """The run of a scenario file that a hunt has written."""
+class _KeptRun:
+    """A run whose folder is kept: of a scenario file that a hunt has written, or beside it. ``requirement``: of which
+    its point of no return is searched for; empty: it is not."""
 
-    base: RunSpec
+    spec: RunSpec
     requirements: tuple[Requirement, ...]
-    file: Path
-    seed: int
     folder: Path
+    requirement: str = ""
 
 
-def _run_file(run: _FileRun) -> Judged:
-    return run_case(replace(run.base, scenario=str(run.file)), run.requirements, (), run.seed, run.folder)
+def _keep_run(run: _KeptRun) -> tuple[Judged, NoReturn | None]:
+    found = run_case(run.spec, run.requirements, run.spec.faults, run.spec.seed, run.folder)
+    if run.requirement not in found.violated or not (run.folder / CERTIFICATE).is_file():
+        return found, None
+
+    def saves(result: Result) -> bool:
+        judged = judge_result(result, run.requirements)
+        return judged.is_valid and run.requirement not in judged.violated
+
+    try:
+        return found, find_no_return(checked_record(str(run.folder), None), saves)
+    except InputError:
+        # Without a fault that began there is none.
+        return found, None
 
 
 def shrink_violations(plan: Plan, made: Outcome, engine: Engine, say: Say) -> Outcome:
@@ -112,7 +141,7 @@ def shrink_violations(plan: Plan, made: Outcome, engine: Engine, say: Say) -> Ou
     :returns: the outcome with the least cases in its summary, as ``found``.
     :raises RecordFailed: a file cannot be written.
     """
-    found = _listed(made.folder)
+    found = read_found(made.folder)
     if found is None:
         try:
             found = _make(plan, made, engine, say)
@@ -121,7 +150,7 @@ def shrink_violations(plan: Plan, made: Outcome, engine: Engine, say: Say) -> Ou
     return replace(made, summary={**made.summary, "found": found})
 
 
-def _listed(folder: Path) -> list[dict[str, Any]] | None:
+def read_found(folder: Path) -> list[dict[str, Any]] | None:
     """The least cases that the folder has; None: it has none, or a file has changed since."""
     hashes = read_hash_list(folder) or {}
     if not (folder / FOUND_LIST).is_file():
@@ -153,7 +182,7 @@ def _make(plan: Plan, made: Outcome, engine: Engine, say: Say) -> list[dict[str,
     with engine(shrink_case, tasks) as results:
         least = [one for _, one in sorted(results, key=lambda result: result[0])]
     kept = least if plan.request.all else _one_of_each(least)
-    found = _write(plan, place, kept, engine) if kept else []
+    found = write_found(plan, place, kept, engine) if kept else []
     write_synced(made.folder / FOUND_LIST, (json.dumps(found, indent=2) + "\n").encode())
     write_hash_list(made.folder)
     return found
@@ -187,7 +216,7 @@ def _one_of_each(least: Sequence[Least]) -> list[Least]:
     return list(found.values())
 
 
-def _write(plan: Plan, place: Path, least: Sequence[Least], engine: Engine) -> list[dict[str, Any]]:
+def write_found(plan: Plan, place: Path, least: Sequence[Least], engine: Engine) -> list[dict[str, Any]]:
     """Write the files, make their runs, and list them."""
     place.mkdir()
     names, counts = [], dict.fromkeys((one.task.requirement for one in least), 0)
@@ -196,16 +225,24 @@ def _write(plan: Plan, place: Path, least: Sequence[Least], engine: Engine) -> l
         names.append(f"{one.task.requirement}-{counts[one.task.requirement]}")
         text = _scenario_file(plan, place, names[-1], one)
         write_synced(place / f"{names[-1]}.toml", text.encode())
-    runs = [
-        _FileRun(plan.base, plan.requirements, place / f"{name}.toml", one.shrunk.seed, place / name)
-        for name, one in zip(names, least, strict=True)
-    ]
-    with engine(_run_file, runs) as results:
-        again = dict(results)
-    return [_entry(plan, name, one, again[number]) for number, (name, one) in enumerate(zip(names, least, strict=True))]
+    runs: dict[str, _KeptRun] = {}
+    for name, one in zip(names, least, strict=True):
+        own = replace(plan.base, seed=one.shrunk.seed)
+        file = replace(own, scenario=str(place / f"{name}.toml"))
+        searched = one.task.requirement if one.task.shrinks and one.shrunk.faults else ""
+        runs[name] = _KeptRun(file, plan.requirements, place / name, searched)
+        if one.shrunk.faults:
+            runs[name + WITHOUT] = _KeptRun(own, plan.requirements, place / (name + WITHOUT))
+        if one.passing:
+            passing = replace(own, faults=one.passing)
+            runs[name + PASSING] = _KeptRun(passing, plan.requirements, place / (name + PASSING))
+    with engine(_keep_run, list(runs.values())) as results:
+        made = dict(results)
+    kept = {name: made[number] for number, name in enumerate(runs)}
+    return [_entry(plan, name, one, *kept[name]) for name, one in zip(names, least, strict=True)]
 
 
-def _entry(plan: Plan, name: str, one: Least, again: Judged) -> dict[str, Any]:
+def _entry(plan: Plan, name: str, one: Least, again: Judged, no_return: NoReturn | None) -> dict[str, Any]:
     task = one.task
     return {
         "id": task.requirement,
@@ -216,6 +253,8 @@ def _entry(plan: Plan, name: str, one: Least, again: Judged) -> dict[str, Any]:
         **asdict(one.shrunk),
         "faults": list(one.shrunk.faults),
         "longer_pass": list(one.shrunk.longer_pass),
+        "passing": None if one.passing is None else list(one.passing),
+        "no_return": None if no_return is None else asdict(no_return),
         "frames_sha256": one.frames_sha256,
         "options": _options(plan, one),
         "is_repeatable": again.frames_sha256 == one.frames_sha256 and task.requirement in again.violated,

@@ -20,9 +20,14 @@ if TYPE_CHECKING:
 _DIGEST = 12
 
 
-def show(console: Output, plan: Plan, made: Outcome) -> None:
-    """Print the result of a finished hunt."""
-    for line in lines(plan, made.summary, made.folder):
+def show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
+    """Print the result of a finished hunt.
+
+    :param line: on its page; empty: none was asked for.
+    """
+    for text in lines(plan, made.summary, made.folder):
+        console.say(text)
+    if line:
         console.say(line)
     console.say(f"hunt folder {made.folder}")
 
@@ -37,7 +42,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     for one in summary["requirements"]:
         yield requirement_line(one)
         for least in (case for case in summary["found"] if case["id"] == one["id"]):
-            yield from _least(least, folder, _sentences(plan, one["id"]))
+            yield from _least(least, folder, sentences_option(plan, one["id"]))
     yield verdict_line(summary)
 
 
@@ -73,13 +78,18 @@ def _kept(one: Mapping[str, Any]) -> str:
         return f"{one['id']}  not judged in any run: none was valid, or it is about runs without faults only"
     if one["verdict"] == SILENT:
         return f"{one['id']}  says nothing: its antecedent was never met in {count_of(one['runs'], 'run', spec=',')}"
-    nearest = "" if one["margin"] is None else f"; nearest {one['margin']:.4g} {one['unit']}".rstrip()
+    margin = f"; nearest {text}" if (text := nearest(one)) else ""
     slack = "" if one["slack"] is None else f", least slack {one['slack'] * 1e3:g} ms"
     met = f"antecedent met in {one['antecedent_met']:,}"
-    return f"{one['id']}  not found in {count_of(one['runs'], 'run', spec=',')}{nearest}{slack} ({met})"
+    return f"{one['id']}  not found in {count_of(one['runs'], 'run', spec=',')}{margin}{slack} ({met})"
 
 
-def _sentences(plan: Plan, requirement: str) -> str:
+def nearest(one: Mapping[str, Any]) -> str:
+    """The smallest margin of a requirement over all runs; empty: there is none."""
+    return "" if one.get("margin") is None else f"{one['margin']:.4g} {one['unit']}".rstrip()
+
+
+def sentences_option(plan: Plan, requirement: str) -> str:
     """The options with which ``railhil run`` judges by the files of a requirement; none for a rule of every run."""
     if requirement not in (one.id for one in plan.requirements):
         return ""
@@ -98,7 +108,7 @@ def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str
         if one["runs"]
         else "not shrunk"
     )
-    saved = "" if one["saved_at_s"] is None else f"; ending it at {one['saved_at_s']:g} s still saves the run"
+    saved = f"; {text}" if (text := saved_sentence(one)) else ""
     yield f"    found in case {one['case']}, {shrunk}{saved}"
     if one["longer_pass"]:
         factors = ", ".join(f"x{factor:g}" for factor in one["longer_pass"])
@@ -107,6 +117,17 @@ def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str
     yield f"    railhil run {file}{one['options']}{sentences}"
     repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
+
+
+def saved_sentence(one: Mapping[str, Any]) -> str:
+    """Up to when the run of a least case can be saved; empty: it is not known."""
+    if found := one["no_return"]:
+        many = f"({count_of(found['branches'], 'branch', 'branches')})"
+        if found["saved_s"] is None:
+            return f"ending its faults when they begin does not save the run {many}"
+        whole = "all its faults" if len(one["faults"]) > 1 else "it"
+        return f"ending {whole} at {found['saved_s']:g} s still saves the run, at {found['lost_s']:g} s not {many}"
+    return "" if one["saved_at_s"] is None else f"ending it at {one['saved_at_s']:g} s still saves the run"
 
 
 def verdict_line(summary: Mapping[str, Any]) -> str:

@@ -5,23 +5,26 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.hunt.cases import HuntCase
-from railhil.hunt.found import shrink_violations
+from railhil.hunt.found import FOUND, read_found, shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
 from railhil.hunt.plan import Chunk, Plan, Request, cut, make_plan
 from railhil.hunt.show import show
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import SILENT
+from railhil.run.report import say_report
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.execute import Outcome
-from railhil.study.finished import Verified, differences
+from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
 from railhil.study.table import NotThePart, row
@@ -200,6 +203,17 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return INVALID if 2 * made.summary["valid"] < made.summary["runs"] else PASS
 
 
+def _report(plan: Plan, made: Outcome) -> str:
+    """Write the page; returns a line on it."""
+
+    def write(path: Path) -> None:
+        from railhil.hunt.report import write_page
+
+        write_page(plan, made.summary, made.folder, path)
+
+    return say_report(made.folder, write)
+
+
 HUNT: Study[Plan, Chunk] = Study(
     name="hunt",
     kind="hunt",
@@ -212,9 +226,26 @@ HUNT: Study[Plan, Chunk] = Study(
     explained=lambda plan: machine_and_list(),
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
-    report=lambda plan, made: "",
-    show=lambda console, plan, made, line: show(console, plan, made),
+    report=_report,
+    show=show,
     finish=shrink_violations,
     exit_code=exit_code,
     cut=cut,
 )
+
+
+def report_of(folder: Path, out: Path) -> None:
+    """Write the page of a finished hunt from its folder.
+
+    :raises InputError: the hunt is not finished, damaged, changed, or of a scenario that has changed since.
+    :raises OSError: it cannot be written.
+    """
+    from railhil.hunt.report import write_page
+
+    plan, _ = repeated_plan(HUNT, folder)
+    found = read_found(folder)
+    if found is None:
+        raise InputError(
+            folder, FOUND, Words("unfinished"), "the least cases of a finished hunt (--resume finishes it)"
+        )
+    write_page(plan, {**finished_summary(HUNT, folder), "found": found}, folder, out)

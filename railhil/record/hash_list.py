@@ -25,7 +25,15 @@ from railhil.record.signature import SIGNATURE as SIGNATURE
 from railhil.record.signature import check_signature
 
 #: Documents that mark a folder as complete, of every kind of folder that has a list.
-DOCUMENTS: Final = ("certificate.json", "compare.json", "campaign.json", "learn.json", "sequence.json", "faults.json")
+DOCUMENTS: Final = (
+    "certificate.json",
+    "compare.json",
+    "campaign.json",
+    "learn.json",
+    "sequence.json",
+    "faults.json",
+    "hunt.json",
+)
 #: The page of a folder.
 REPORT: Final = "report.html"
 #: Key of certificates and manifests: the name of the list.

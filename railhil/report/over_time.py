@@ -119,7 +119,7 @@ def _reactions(run: RunColumns, place: int) -> Figure:
                             x_bounds=(0.0, end_s), sync=TIME, areas=list(_faults(run))))  # fmt: skip
     levels = [one for one in run.shown.columns if one.kind == LEVEL_KIND and one.name in run.values]
     if levels:
-        charts.append(_levels([(run, one) for one in levels], (0.0, end_s), is_named=False))
+        charts.append(levels_chart([(run, one) for one in levels], (0.0, end_s), is_named=False))
     rows = _event_rows(run)
     names = {float(-place): kind.replace("_", " ") for place, kind in enumerate(rows)}
     marks = [mark for place, marks in enumerate(rows.values()) for mark in _bars(run, marks, -place)]
@@ -227,7 +227,7 @@ def _chart(group: ColumnGroup, runs: Sequence[RunColumns], known: set[tuple[int,
     ]
     bounds = (0.0, max(float(run.time_s[-1]) for run in runs))
     if group.columns[0].kind == LEVEL_KIND:
-        return _levels(shown, bounds, len(runs) > 1, TIME)
+        return levels_chart(shown, bounds, len(runs) > 1, TIME)
     return _curves(group, shown, bounds, len(runs) > 1)
 
 
@@ -261,7 +261,7 @@ def _names(column: ShownColumn, curves: Sequence[Curve]) -> dict[float, str]:
     return {value: column.words.get(int(value), f"{value:g}").replace("_", " ") for value in seen}
 
 
-def _levels(
+def levels_chart(
     shown: Sequence[tuple[RunColumns, ShownColumn]], bounds: tuple[float, float], is_named: bool, x_label: str = ""
 ) -> Chart:
     """Levels of watches, 0 is normal: only the names of those that occur."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import railhil
+from hil_tests.support.cli import railhil as railhil_command
 from hil_tests.support.short_runs import RUN_2M_TOML
 from hil_tests.support.user_suite import properties, run_suite
 from railhil.hunt.oracle import run_case
@@ -50,6 +51,16 @@ def test_what_was_found_stands_in_its_attributes(found: HuntOutcome) -> None:
     assert kept.margin is not None
     assert kept.margin > 0
     assert "CUT  VIOLATED in " in found._repr_html_()
+
+
+@pytest.mark.slow
+def test_the_page_is_written_again_from_the_folder(found: HuntOutcome, tmp_path: Path) -> None:
+    written = (found.folder / "report.html").read_bytes()
+    done = railhil_command("report", found.folder, "--out", tmp_path / "again.html")
+    assert done.exit_code == 0, done.err
+    assert (tmp_path / "again.html").read_bytes() == written
+    listed = railhil_command("verify", found.folder)
+    assert listed.exit_code == 0, listed.err
 
 
 @pytest.mark.slow
