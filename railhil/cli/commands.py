@@ -29,6 +29,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "faults": "run the fault catalogue, or random pairs of faults",
         "campaign": "thousands of perturbed runs: statistics, worst runs",
         "hunt": "search for faults that violate a requirement, shrink them",
+        "bench-suite": "planted defects for searches, and a table of who found them",
         "learn": "sequences of runs of a law that learns: how its errors decrease",
         "sequence": "record runs of a law that learns as one piece of evidence",
         "reproduce": "run the protocol of a paper, compare with its tables",
@@ -65,7 +66,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
 }
 _LINES = {name: line for group in GROUPS.values() for name, line in group.items()}
 #: Command -> its module, unless it is that of its name in this package. A program has none.
-_MODULES = {"node": "railhil.cli.programs", "bus": "railhil.bus.hub.cli"}
+_MODULES = {"bench-suite": "railhil.cli.bench_suite", "node": "railhil.cli.programs", "bus": "railhil.bus.hub.cli"}
 _WHAT = "Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus."
 #: The first commands of a new user, and what each does.
 _FIRST_STEPS = {

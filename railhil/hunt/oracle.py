@@ -56,7 +56,7 @@ class Judged:
         return self.verdict in ("PASS", "FAIL")
 
 
-def _rules(failures: Iterable[str]) -> dict[str, str]:
+def broken_rules(failures: Iterable[str]) -> dict[str, str]:
     """The rules of every run that a run breaks, by id; of each the first sentence."""
     found: dict[str, str] = {}
     for failure in failures:
@@ -114,7 +114,7 @@ def judge_result(result: Result, requirements: Sequence[Requirement] = ()) -> Ju
         return replace(found, detail=result.line)
     outcomes = judge_requirements(result.as_record(), requirements)
     violated = {outcome.id: _said(outcome) for outcome in outcomes if outcome.violated}
-    return replace(found, violated=violated | _rules(result.score.failures), outcomes=outcomes)
+    return replace(found, violated=violated | broken_rules(result.score.failures), outcomes=outcomes)
 
 
 def run_case(

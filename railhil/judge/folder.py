@@ -5,10 +5,11 @@ from __future__ import annotations
 import hashlib
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from railhil.bus.ident import PROFILES
@@ -55,11 +56,15 @@ def code_files(names: Sequence[str] = _CODE) -> Iterator[tuple[str, Path]]:
                 yield str(Path(name, path.relative_to(place))), path
 
 
-def code_sha256(names: Sequence[str] = _CODE) -> str:
-    """Hash over :func:`code_files` (paths and contents, in path order)."""
+def code_sha256(names: Sequence[str] = _CODE, changed: Mapping[str, bytes] = MappingProxyType({})) -> str:
+    """Hash over :func:`code_files` (paths and contents, in path order).
+
+    :param changed: other contents of some of the files.
+    """
     digest = hashlib.sha256()
     for name, path in code_files(names):
-        digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
+        content = changed[name] if name in changed else path.read_bytes()
+        digest.update(name.encode() + b"\0" + content + b"\0")
     return digest.hexdigest()
 
 
