@@ -43,7 +43,7 @@ class Journey:
         self.next_stop: int | None = 1
         self.held_red: set[int] = set()
         self.departure_tick = 0
-        self._begin_m = self.stops[0].position_m
+        self._begin_m = self._exit_m = self.stops[0].position_m
         self._extra_s = 0.0
         self._numbers = {signal: number for number, signal in enumerate(scenario.signals, 1)}
         #: When the exchange of passengers is over; None: the doors have not been open.
@@ -73,7 +73,8 @@ class Journey:
         self.section += 1
         section = self._scenario.sections[self.section]
         self.next_stop = section.departure + 1
-        self._begin_m = self.stops[section.departure].position_m
+        left = self.stops[section.departure]
+        self._begin_m, self._exit_m = left.position_m, left.position_m + left.eoa_overlap_m
         self.arrival = section.arrival
         self.has_arrived = self.has_opened = False
         self._exchanged_tick = self._authority = None
@@ -164,7 +165,7 @@ class Journey:
             return False
         if self._exchanged_tick is not None and tick < self._exchanged_tick:
             return False
-        return not self.is_exit_red and self.red_signal(position_m, tick * self._tick_s) is None
+        return not self.is_exit_red(position_m) and self.red_signal(position_m, tick * self._tick_s) is None
 
     # -- signals ------------------------------------------------------------------------------------------------------
 
@@ -177,7 +178,7 @@ class Journey:
     def signal_aspect(self, position_m: float, tick: int) -> int:
         """What the next signal shows."""
         signal = self.next_signal(position_m)
-        if self.is_exit_red:
+        if self.is_exit_red(position_m):
             return SignalAspect.RED
         if signal is None:
             return SignalAspect.NONE
@@ -187,15 +188,18 @@ class Journey:
         held = self.held_red
         return now_s < signal.clear_s or (bool(held) and not held.isdisjoint((0, self._numbers[signal])))
 
-    @property
-    def is_exit_red(self) -> bool:
-        """Whether a fault holds the exit of the stop red at which the train stands."""
-        return 0 in self.held_red and self.has_arrived and not self.is_at_terminal
+    def is_exit_red(self, position_m: float) -> bool:
+        """Whether a fault holds the exit of the stop red at which the train stands, or which it leaves.
+
+        The exit is where the authority ended at the stop.
+        """
+        is_before = position_m < self._exit_m or (self.has_arrived and not self.is_at_terminal)
+        return is_before and 0 in self.held_red
 
     def is_held_red(self, position_m: float, tick: int) -> bool:
         """Whether a fault holds a signal red that now concerns the train."""
         red = self.red_signal(position_m, tick * self._tick_s)
-        return self.is_exit_red or (red is not None and tick * self._tick_s >= red.clear_s)
+        return self.is_exit_red(position_m) or (red is not None and tick * self._tick_s >= red.clear_s)
 
     def red_signal(self, position_m: float, now_s: float) -> RouteSignal | None:
         """The first red signal ahead, up to the end of the section that the train is in or would depart into."""
@@ -223,6 +227,13 @@ class Journey:
             self.stops[self._scenario.sections[self.section].departure + 1 : self.arrival] if self.section >= 0 else ()
         )
         return tuple(stop for stop in between if stop.psd)
+
+    def awaits_platform(self, position_m: float) -> bool:
+        """Whether platform doors on the way count: their platform is ahead, or was not locked when the front came."""
+        return any(
+            platform not in self._passed_clear and position_m <= platform.position_m
+            for platform in self.passed_platforms
+        )
 
     def authority(self, position_m: float, tick: int, are_platforms_locked: bool = True) -> Authority:
         """The authority that the track side gives: to the section's end, or to a red signal before it.

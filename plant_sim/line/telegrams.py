@@ -56,8 +56,8 @@ class LineTelegrams(TrainTelegrams):
 
     def _doors(self) -> DoorStat:
         train, life = self._train, next(self._lives[DoorStat.PORT])
-        told = self._doors_under_way
-        if told is not None and not train.is_busy:
+        told, psd_locked = self._doors_under_way, flag(train.are_platforms_locked)
+        if told is not None and not train.is_busy and told.psd_locked == psd_locked:
             told.life = life
             return told
         doors, journey = train.doors, train.journey
@@ -66,7 +66,7 @@ class LineTelegrams(TrainTelegrams):
             right_state=doors.right.state,
             doors_locked=flag(doors.are_train_doors_locked),
             psd_state=doors.psd.state,
-            psd_locked=flag(doors.is_psd_locked),
+            psd_locked=psd_locked,
             psd_present=int(doors.has_psd),
             in_window=flag(train.docking.is_in_window),
             obstructions=min(doors.obstructions, _UINT8_MAX),
@@ -82,7 +82,8 @@ class LineTelegrams(TrainTelegrams):
         train, life = self._train, next(self._lives[StnInfo.PORT])
         journey, tick = train.journey, train.tick
         told = self._station_under_way
-        if told is not None and told[0] == journey.next_stop and not train.is_busy:
+        has_aspects = bool(self._line.signals or journey.held_red)
+        if told is not None and told[0] == journey.next_stop and not train.is_busy and not has_aspects:
             told[1].life = life
             return told[1]
         position_m = train.position_01mm / 1e4
@@ -104,7 +105,7 @@ class LineTelegrams(TrainTelegrams):
             life=life,
         )
         # Signals change with time and place.
-        self._station_under_way = None if train.is_busy or self._line.signals else (journey.next_stop, made)
+        self._station_under_way = None if train.is_busy or has_aspects else (journey.next_stop, made)
         return made
 
     def _mode_order(self, here: int | None) -> int:

@@ -72,6 +72,14 @@ class LineTrain(BrakedTrain):
         return SIDES[self.journey.stop.platform] if self.docking.is_in_window and self.station_here is not None else 0
 
     @property
+    def are_platforms_locked(self) -> bool:
+        """Whether the doors of the platform where the train stands, and of those on its way, are closed and locked."""
+        doors = self.doors
+        if doors.psd.is_locked or doors.has_psd:
+            return doors.is_psd_locked
+        return not self.journey.awaits_platform(self._motion.position_m)
+
+    @property
     def is_departure_permitted(self) -> bool:
         """Whether the track side permits the departure now."""
         return (

@@ -15,7 +15,7 @@ from railhil.plant_sim.line.onboard import EMERGENCY_BRAKE, NO_REACTION
 from railhil.plant_sim.line.train import LineTrain
 from railhil.systems.line.judge.invariants import ROLL_MAX_M
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
-from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus, DoorStat
+from railhil.wire.line import AtpCause, AtpLim, AtpStat, AtpStatus, DoorStat, SignalAspect, StnInfo
 
 
 def begun(line: LineScenario | None = None) -> Driver:
@@ -189,9 +189,48 @@ def test_a_train_stops_before_a_platform_on_the_way_whose_doors_lose_their_lock(
     (passed,) = (stop for stop in line.stops if stop.service == "pass")
     driver = begun(line)
     driver.run(lambda: driver.kinds().count("departure") == 2)
+
+    def told() -> tuple[int, int]:
+        found = driver.train.makers[DoorStat.PORT]()
+        assert isinstance(found, DoorStat)
+        return found.psd_present, found.psd_locked
+
+    for _ in range(500):
+        driver.tick()
+    assert told() == (0, FLAG_TRUE)
     driver.train.doors.psd.has_lost_lock = True
+    assert told() == (0, FLAG_FALSE)
     driver.run(lambda: "atp" in driver.kinds() and driver.train.is_standing)
     assert driver.train.position_01mm < (passed.position_m - line.train.length_m + 20.0) * 1e4
+
+
+def test_platform_doors_that_have_been_passed_are_no_longer_told() -> None:
+    line = with_platform_doors_at_a_passed_stop()
+    driver = begun(line)
+    driver.run(lambda: "passed" in driver.kinds())
+    driver.train.doors.psd.has_lost_lock = True
+    found = driver.train.makers[DoorStat.PORT]()
+    assert isinstance(found, DoorStat)
+    assert found.psd_locked == FLAG_TRUE
+
+
+def test_an_exit_that_a_fault_holds_red_is_shown_until_the_train_has_left_it() -> None:
+    driver = begun()
+    driver.run(lambda: driver.kinds().count("departure") == 2)
+
+    def aspect() -> int:
+        found = driver.train.makers[StnInfo.PORT]()
+        assert isinstance(found, StnInfo)
+        return found.signal_next
+
+    left = driver.line.stops[1]
+    assert aspect() == SignalAspect.NONE
+    driver.train.journey.held_red.add(0)
+    assert aspect() == SignalAspect.RED
+    driver.run(lambda: driver.train.position_01mm / 1e4 > left.position_m + left.eoa_overlap_m - 0.5)
+    assert aspect() == SignalAspect.RED
+    driver.run(lambda: driver.train.position_01mm / 1e4 > left.position_m + left.eoa_overlap_m)
+    assert aspect() == SignalAspect.NONE
 
 
 def test_a_signal_that_falls_red_behind_the_train_does_not_stop_it() -> None:

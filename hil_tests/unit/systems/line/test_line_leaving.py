@@ -10,11 +10,12 @@ import numpy as np
 
 from hil_tests.support.line_records import Told, drive, driven_run, milestones_in, trace_of
 from hil_tests.support.lines import LIMITS, OUT_AND_BACK, STOPS, Driver, four_stops, make_leg
+from railhil.bus.layout import FLAG_FALSE
 from railhil.bus.telegrams import RunEvent
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.scenario.model import LineScenario, RouteSignal
 from railhil.wire.ato import SimTruth
-from railhil.wire.line import SignalAspect, StnInfo
+from railhil.wire.line import DoorStat, SignalAspect, StnInfo
 
 #: The second stop is on a grade of 20 per mille.
 GRADES = ((-118.0, 0.0), (60.0, -20.0), (300.0, 0.0))
@@ -69,6 +70,15 @@ def test_a_train_that_rolls_with_open_doors_is_named_although_it_reports_a_creep
     assert reports_creep(line(), told)
     (said,) = left_without(line(), told)
     assert said.startswith("invariant 11: the train moved 3."), said
+
+
+def test_a_roll_with_open_doors_is_no_creep_and_the_stop_error_is_that_of_the_standstill_before() -> None:
+    rolling = Rolling(lambda driver: "doors_open" in driver.kinds(), 3.0)
+    told, _ = drive(line(), rolling.act, lambda _: rolling.is_over)
+    stop = score(line(), trace_of(line(), told)).stops[1]
+    assert stop.standstill is not None
+    assert abs(stop.standstill.position_m - 120.0) < 0.5
+    assert stop.jogs == 0
 
 
 def test_a_train_that_rolls_on_far_before_its_stop_is_named_although_it_reports_a_creep() -> None:
@@ -154,6 +164,58 @@ def test_a_train_does_not_leave_towards_a_signal_that_a_fault_holds_red() -> Non
     assert said == f"invariant 11: the train left stop 2 B at {at_s:.2f} s towards a red signal"
     assert seen(lambda time_s, place_m: at_s - 5.0 < time_s < at_s) == []
     assert seen(lambda time_s, place_m: at_s < time_s < at_s + 0.5) == []
+
+
+def test_a_train_does_not_leave_while_a_fault_holds_its_exit_red() -> None:
+    at_s = departed_s()
+
+    def said(is_red: Callable[[float], bool], scenario: LineScenario = LINE) -> list[str]:
+        changed = [
+            one._replace(data=replace(StnInfo.decode(one.data), signal_next=SignalAspect.RED).encode())
+            if one.port == StnInfo.PORT and is_red(one.time_ns / 1e9)
+            else one
+            for one in TOLD
+        ]
+        failures = score(scenario, trace_of(scenario, changed)).failures
+        return [one for one in failures if one.startswith("invariant")]
+
+    wanted = [f"invariant 11: the train left stop 2 B at {at_s:.2f} s while its exit was red"]
+    assert said(lambda time_s: at_s - 5.0 < time_s < at_s + 0.5) == wanted
+    assert said(lambda time_s: at_s - 5.0 < time_s < at_s) == []
+    assert said(lambda time_s: at_s < time_s < at_s + 0.5) == []
+    # A signal behind the section's end that is red is none of the departure, one that cannot be red is.
+    beyond = replace(LINE, signals=(RouteSignal(360.0, at_s + 9.0),))
+    assert said(lambda time_s: at_s - 5.0 < time_s < at_s + 0.5, beyond) == []
+    assert (
+        said(lambda time_s: at_s - 5.0 < time_s < at_s + 0.5, replace(beyond, faults=("signal red only 1 @1s",))) == []
+    )
+    clear = replace(LINE, signals=(RouteSignal(360.0, 0.0),), faults=("signal red @1s",))
+    assert said(lambda time_s: at_s - 5.0 < time_s < at_s + 0.5, clear) == wanted
+
+
+def test_a_platform_on_the_way_whose_doors_are_not_locked_is_not_passed() -> None:
+    stops = list(LINE.stops)
+    (passed,) = (number for number, stop in enumerate(stops) if stop.service == "pass")
+    stops[passed] = replace(stops[passed], psd=True)
+    found = replace(LINE, stops=tuple(stops), train=replace(LINE.train, length_m=20.0))
+    truth = [(one.time_ns, SimTruth.decode(one.data).position_01mm / 1e4) for one in TOLD if one.port == "SIM_TRUTH"]
+    times_ns, places_m = zip(*truth, strict=True)
+
+    def said(is_unlocked: Callable[[float], bool]) -> list[str]:
+        changed = [
+            one._replace(data=replace(DoorStat.decode(one.data), psd_locked=FLAG_FALSE).encode())
+            if one.port == DoorStat.PORT and is_unlocked(float(np.interp(one.time_ns, times_ns, places_m)))
+            else one
+            for one in TOLD
+        ]
+        failures = score(found, trace_of(found, changed)).failures
+        return [one for one in failures if one.startswith("invariant")]
+
+    (breach,) = said(lambda place_m: 125.0 < place_m < 290.0)
+    assert breach.startswith("invariant 9: the front was at 3")
+    assert "supervised location 230.00 m behind the beginning of a platform with doors shown unlocked from" in breach
+    assert said(lambda place_m: 125.0 < place_m < 200.0) == []
+    assert said(lambda place_m: 208.0 < place_m < 290.0) == []
 
 
 def test_a_train_does_not_leave_a_turn_back_towards_a_red_signal_of_the_way_back() -> None:

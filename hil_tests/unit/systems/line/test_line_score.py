@@ -156,7 +156,7 @@ def test_a_door_open_in_motion_is_named() -> None:
 def test_traction_with_an_open_door_is_named() -> None:
     def change(told: Told) -> Told:
         if told.port == DoorStat.PORT and 10e9 <= told.time_ns <= 11e9:
-            return told._replace(data=replace(DoorStat.decode(told.data), psd_locked=1).encode())
+            return told._replace(data=replace(DoorStat.decode(told.data), psd_locked=1, psd_present=1).encode())
         return told
 
     (said,) = judged(change=change).failures

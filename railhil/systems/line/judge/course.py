@@ -36,6 +36,11 @@ class Visit:
         """Whether the train has come here, or begun here, and has not left."""
         return self.departed is None and (self.stop == 0 or self.arrived is not None)
 
+    @property
+    def creeps(self) -> list[Milestone]:
+        """The creeps towards the stop: a train that moves with doors that have opened rolls, and has stopped before."""
+        return [told for told in self.jogs if not self.opened or told.instant_s < self.opened[0].instant_s]
+
 
 @dataclass(frozen=True, slots=True)
 class Course:

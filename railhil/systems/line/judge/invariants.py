@@ -3,10 +3,12 @@
 7. No traction with an open door: neither a door of the train nor one of the platform that the train stands at.
 8. No door is open in motion, outside of the door window, or on a side without platform.
 9. The front never passes the supervised location, by truth, neither that of a stop nor that behind a signal that is
-   red by timetable or shown red. The end of authority may be passed by less than the interval of the position.
+   red by timetable or shown red, nor that of a platform on the way whose doors are shown unlocked. The end of
+   authority may be passed by less than the interval of the position.
 10. The train protection never takes an emergency brake back.
-11. A train that stands at a stop leaves it only after a departure that was permitted: not towards a red signal. Until
-    then it creeps at most up to the stopping point, and does not move with doors that have opened.
+11. A train that stands at a stop leaves it only after a departure that was permitted: not towards a red signal, nor
+    from a red exit. Until then it creeps at most up to the stopping point, and does not move with doors that have
+    opened.
 
 Without train protection rules 9 and 10 do not apply.
 """
@@ -83,9 +85,9 @@ def _traction_with_open_door(run: LineRun) -> Iterator[str]:
     time_s = trace.times_s(DoorStat.PORT)
     if not len(time_s):
         return
-    unlocked = np.zeros(len(time_s), dtype=bool)
-    for name in ("DoorsLocked", "PsdLocked"):
-        unlocked |= trace.raw(DoorStat.PORT, name) != FLAG_TRUE
+    unlocked = trace.raw(DoorStat.PORT, "DoorsLocked") != FLAG_TRUE
+    # Under way PsdLocked is that of a platform ahead.
+    unlocked |= (trace.raw(DoorStat.PORT, "PsdLocked") != FLAG_TRUE) & (trace.raw(DoorStat.PORT, "PsdPresent") != 0)
     newest = np.maximum(np.searchsorted(time_s, motion.time_s, side="right") - 1, 0)
     earlier = np.maximum(np.searchsorted(time_s, motion.time_s - NOTICE_S, side="right") - 1, 0)
     known = motion.time_s - time_s[newest] < NOTICE_S

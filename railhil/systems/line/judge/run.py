@@ -100,7 +100,7 @@ class LineRun:
             moved_after_s=_less(self._moves_s(instants.departed_s), instants.due_departure_s),
             delay=delay,
             late_for=delay.cause if is_late else "",
-            jogs=len(visit.jogs),
+            jogs=len(visit.creeps),
             reopened=instants.exchange.reopened,
             refused=len(visit.refused),
             doors_opened=bool(visit.opened),
@@ -128,10 +128,11 @@ class LineRun:
         """The last standstill before the doors opened, or before the departure."""
         if visit.arrived is None:
             return None
-        if not visit.jogs:
+        creeps = visit.creeps
+        if not creeps:
             return Standstill(visit.arrived.instant_s, visit.arrived.position_m)
         motion = self.motion
-        after = np.flatnonzero((motion.time_s > visit.jogs[-1].instant_s) & (motion.speed_mps > 0.0))
+        after = np.flatnonzero((motion.time_s > creeps[-1].instant_s) & (motion.speed_mps > 0.0))
         moving = int(after[0]) if len(after) else len(motion.time_s) - 1
         still = np.flatnonzero(motion.speed_mps[moving:] == 0.0)
         at = moving + int(still[0]) if len(still) else len(motion.time_s) - 1
