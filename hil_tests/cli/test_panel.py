@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from hil_tests.support.browser import chromium_or_skip
-from hil_tests.support.cli import command
+from hil_tests.support.panel_page import WAIT_MS, said, started
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
@@ -26,7 +22,6 @@ from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import RunSpec
 
 pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
-_WAIT_MS = 60_000
 
 
 @pytest.fixture(scope="module")
@@ -35,37 +30,13 @@ def chromium() -> Iterator[Any]:
         yield found
 
 
-@contextmanager
-def started(output: Path, *words: str | Path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
-    """A command that serves a page, and the page's address."""
-    with output.open("wb") as stream:
-        process = subprocess.Popen(command(*words), stdout=stream, stderr=stream, env=os.environ)
-    try:
-        deadline_s = time.monotonic() + 60
-        while (found := re.search(r"http://127\S+", output.read_text())) is None:
-            assert process.poll() is None, output.read_text()
-            assert time.monotonic() < deadline_s
-            time.sleep(0.05)
-        yield process, found[0]
-    finally:
-        process.kill()
-        process.wait()
-
-
-def said(page: Any, selector: str, pattern: str) -> str:
-    """The text of an element, as soon as it matches."""
-    place = page.locator(selector).first
-    page.locator(selector, has_text=re.compile(pattern)).first.wait_for(timeout=_WAIT_MS)
-    return str(place.inner_text())
-
-
 def press(page: Any, selector: str) -> None:
     """Press a button and wait for the answer of the run."""
-    page.wait_for_selector(f"{selector}:enabled", timeout=_WAIT_MS)
+    page.wait_for_selector(f"{selector}:enabled", timeout=WAIT_MS)
     page.click(selector)
     said(page, "#answer", "✓")
     if selector == "#pause":
-        page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
 
 
 @pytest.fixture(scope="module")
@@ -94,18 +65,18 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
             one.on("pageerror", lambda error: seen["errors"].append(str(error)))
         page.goto(address)
         other.goto(address.partition("#")[0])
-        page.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
         # A loss so small does the train no harm, however long a busy machine takes from one button to the next.
         for text in ("TRN_SPEED lost", "NOTCH_CMD loss 5%"):
             page.fill("#fault", text)
             page.click("#add")
             seen[text] = said(page, "#answer", ".")
         # The other page has no token.
-        other.wait_for_selector("#start:enabled", timeout=_WAIT_MS)
+        other.wait_for_selector("#start:enabled", timeout=WAIT_MS)
         other.click("#start")
         said(other, "#answer", "wrong token")
         page.click("#start")
-        page.wait_for_selector("#pace:enabled", timeout=_WAIT_MS)
+        page.wait_for_selector("#pace:enabled", timeout=WAIT_MS)
         page.select_option("#pace", "1")
         for selector in ("[data-do=inject]", "[data-do=clear]", "#pause", "#start"):
             press(page, selector)
@@ -126,7 +97,7 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         # Seven SUP_CMD later it acts.
         said(page, "#faults", r"clear brake weak 62\.5%(?! \(being sent)")
         page.click("#frames tr[data-id='280']")
-        page.wait_for_selector("#raw:visible", timeout=_WAIT_MS)
+        page.wait_for_selector("#raw:visible", timeout=WAIT_MS)
         # The last before Stop: a train that stands after its emergency brake ends the run.
         for selector in ("#emergency", "#reset"):
             press(page, selector)
@@ -201,15 +172,15 @@ def test_a_killed_server_is_found_again_and_the_page_says_so(run, chromium, tmp_
     words = ["panel", run["folder"], "--port"]
     page = chromium.new_page()
     with started(tmp_path / "first.txt", *words, "0") as (_, address):
-        page.goto(f"{address}#t=1.5")
-        page.wait_for_selector("#connection.good", timeout=_WAIT_MS)
-        page.wait_for_function("document.querySelector('#instant').value.startsWith('1.5')", timeout=_WAIT_MS)
+        page.goto(f"{address}&t=1.5")
+        page.wait_for_selector("#connection.good", timeout=WAIT_MS)
+        page.wait_for_function("document.querySelector('#instant').value.startsWith('1.5')", timeout=WAIT_MS)
         before = page.inner_text("[data-column=true_position_m] b")
         page.locator("#instant").focus()
         page.keyboard.press("End")
         said(page, "[data-column=true_position_m] b", f"^(?!{re.escape(before)})")
         assert "#t=" in page.url
-    page.wait_for_selector("#connection.bad", timeout=_WAIT_MS)
+    page.wait_for_selector("#connection.bad", timeout=WAIT_MS)
     port = re.findall(r":(\d+)", address)[0]
     with started(tmp_path / "second.txt", *words, port):
         said(page, "#connection", "again")

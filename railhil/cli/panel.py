@@ -159,7 +159,7 @@ class PanelBeside(Observer):
 
     def _words(self, plan: Plan, path: Path) -> list[str]:
         spec = plan.spec
-        words = [*spec.scenario_words, "--port", str(self._port)]
+        words = [*spec.scenario_words, *spec.requirement_words, "--port", str(self._port)]
         # Without a law the page names no notes.
         words += ["--controller", spec.law.controller] if spec.law.given is None else []
         words += ["--operator", str(path), "--child"]

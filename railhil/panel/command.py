@@ -59,6 +59,6 @@ def arguments() -> argparse.ArgumentParser:
         help="instead of a bus: the run that is being made in this folder, in lockstep without a hub",
     )
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
-    add_options(parser, "--set", "--fault")
+    add_options(parser, "--set", "--fault", "--requirements")
     add_bus_arguments(parser)
     return parser

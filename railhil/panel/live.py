@@ -7,7 +7,7 @@ import json
 import os
 import time
 from collections import deque
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,10 @@ from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing
 from railhil.scenarios.system import System, UnknownScenario
+
+if TYPE_CHECKING:
+    from railhil.panel.branches import Branches
+    from railhil.panel.requirements import LiveRequirements
 
 #: Messages kept for pages that connect later.
 EVENTS_MAX = 1000
@@ -121,12 +125,23 @@ class LiveRun:
     It shows the run that the plant announces, and before that the scenario that the user names, if any.
 
     :param operator: the connection to the supervisor; None: there are no commands.
+    :param requirements: judges the run by sentences; None: there are none.
+    :param branches: of the folder into which the run is recorded; None: not known.
     """
 
-    def __init__(self, watched: RunIdentity, receiver: Receiver, operator: Operator | None = None) -> None:
+    def __init__(
+        self,
+        watched: RunIdentity,
+        receiver: Receiver,
+        operator: Operator | None = None,
+        requirements: LiveRequirements | None = None,
+        branches: Branches | None = None,
+    ) -> None:
         self._watched = watched
         self._named = watched.scenario
         self._operator = operator
+        self._requirements = requirements
+        self.branches = branches
         self.receiver = receiver
         #: Name of this process's runs, for viewers that must tell them apart.
         self.session = f"{os.getpid()}-{time.time_ns()}"
@@ -146,6 +161,8 @@ class LiveRun:
         self.heard = BusStatistics(contract)
         self.listener = Listener(scenario or unknown, contract, self.heard)
         self._list = FrameList(contract)
+        if self._requirements is not None:
+            self._requirements.show(scenario, notes)
         self._history = History(1 + len(self.layout.columns), self.layout.position)
         self._run = self.listener.run
         # The last row and its instant; no row while the curves have a gap.
@@ -165,6 +182,7 @@ class LiveRun:
             "runs": [{"name": name, "facts": facts}],
             "layout": self.layout.as_json(),
             "commands": self._operator is not None,
+            "branches": self.branches is not None,
         }
 
     def read_past(self) -> list[str | bytes]:
@@ -172,7 +190,8 @@ class LiveRun:
         messages: list[str | bytes] = [encode_batch(REPLACE, 0, self._history.rows)]
         messages.append(json.dumps({"events": [] if self._events is None else self._events.all, "replace": True}))
         messages += [json.dumps(self._make_state()), json.dumps(self._make_frame_list())]
-        return messages
+        messages += [] if self._requirements is None else [self._requirements.describe()]
+        return messages + ([] if self.branches is None else [self.branches.describe()])
 
     def look(self) -> list[str | bytes]:
         """The news of the bus."""
@@ -187,6 +206,10 @@ class LiveRun:
             messages += [json.dumps({"header": self.describe()}), *self.read_past()]
         if frames or self.receiver.lacks_before or self.receiver.lacks_within:
             messages += self._take(frames)
+        if self._requirements is not None:
+            self._requirements.take(frames, self.receiver.lacks_before or self.receiver.lacks_within)
+            messages += filter(None, [self._requirements.look()])
+        messages += [] if self.branches is None else self.branches.look()
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
         now_s = time.monotonic()
@@ -208,6 +231,8 @@ class LiveRun:
 
     def execute(self, command: dict[str, Any]) -> str:
         """Pass a command to the supervisor; returns the reason if it was not passed, else empty."""
+        if self.branches is not None and command.get("do") == "branch":
+            return self.branches.begin(command)
         if self._operator is None:
             return "no supervisor takes commands here: start the run with railhil run --panel"
         return self._operator.execute(command)

@@ -20,6 +20,7 @@ from railhil.judge.cross_check import check_folder
 from railhil.judge.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.judge.judging import judging_of, sequence_measures
 from railhil.judge.record import Record, checked_record
+from railhil.panel.branches import Branches
 from railhil.panel.layout import Chart, Layout, Rows, make_layout
 from railhil.panel.wire import REPLACE, encode_batch
 from railhil.record.documents import read_certificate, read_score
@@ -162,12 +163,18 @@ class RecordedRuns:
     """Run folders of one system beside each other; a recorded sequence has its first and last run and its learned
     values.
 
-    :raises InputError: a folder cannot be read, or belongs to another system than the first.
+    :param requirements: files or systems whose sentences judge the runs, besides their own.
+    :raises InputError: a folder cannot be read, or belongs to another system than the first, or a sentence does not
+        fit.
     """
 
-    def __init__(self, folders: Sequence[str]) -> None:
+    def __init__(self, folders: Sequence[str], requirements: Sequence[str] = ()) -> None:
         asked, (folders, every) = list(folders), find_run_folders(folders)
         records = [checked_record(folder, None) for folder in folders]
+        if requirements:
+            from railhil.cli.score import further_required
+
+            records = [further_required(record, requirements) for record in records]
         for place in map(Path, set(every).difference(folders)):
             # Only two runs of a sequence are read as records; the charts over its runs show all of them.
             check_folder(place, read_certificate(place))
@@ -183,6 +190,7 @@ class RecordedRuns:
         self._records = records
         self._learning = make_learning_charts(first, every)
         self._growing = LiveSequence(first, asked)
+        self.branches = Branches([record.folder for record in records])
         self._rows = [
             thin_rows(_arrange(_make_rows(one, layout), layout, self.layout), self.layout.position)
             for one, layout in zip(records, layouts, strict=True)
@@ -194,7 +202,13 @@ class RecordedRuns:
             {"name": name, "facts": {"scenario": one.scenario.name, "verdict": _describe_verdict(name, one)}}
             for name, one in zip(self._names, self._records, strict=True)
         ]
-        return {"kind": "recorded", "runs": runs, "layout": self.layout.as_json(), "learning": self._learning}
+        return {
+            "kind": "recorded",
+            "runs": runs,
+            "layout": self.layout.as_json(),
+            "learning": self._learning,
+            "branches": True,
+        }
 
     def read_past(self) -> list[str | bytes]:
         """All rows and events."""
@@ -206,23 +220,32 @@ class RecordedRuns:
         ]
         events.sort(key=lambda event: float(event["time_s"]))
         rows: list[str | bytes] = [encode_batch(REPLACE, number, rows) for number, rows in enumerate(self._rows)]
-        return [*rows, json.dumps({"events": events, "replace": True})]
+        messages = [*rows, json.dumps({"events": events, "replace": True}), self.branches.describe()]
+        if any(record.score.requirements for record in self._records):
+            # Runs without requirements do not load their language.
+            from railhil.panel.requirements import describe_outcomes
+
+            names = self._names if several else [""]
+            judged = [record.score.requirements for record in self._records]
+            messages.append(describe_outcomes(zip(names, judged, strict=True)))
+        return messages
 
     def look(self) -> list[str | bytes]:
-        """The only news are learned values of a sequence in progress."""
+        """The news are learned values of a sequence in progress, and branches."""
+        news = self.branches.look()
         charts = self._growing.look()
         if charts is None:
-            return []
+            return news
         self._learning = charts
-        return [json.dumps({"learning": charts})]
+        return [*news, json.dumps({"learning": charts})]
 
     def list_frames(self) -> str:
         """There is no bus."""
         return ""
 
     def execute(self, command: dict[str, Any]) -> str:
-        """A recorded run takes no orders."""
-        return "a recorded run takes no orders"
+        """A recorded run takes no orders, but branches (:meth:`railhil.panel.branches.Branches.begin`)."""
+        return self.branches.begin(command) if command.get("do") == "branch" else "a recorded run takes no orders"
 
     def watch(self, can_ids: set[int]) -> None:
         """Frames are not shown."""

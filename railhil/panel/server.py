@@ -34,23 +34,32 @@ from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LogFollower, Receiver
 from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parse_object
-from railhil.scenarios.load import find
+from railhil.scenarios.load import find, sentences, stable_name
 from railhil.scenarios.model import AnyScenario
 
 if TYPE_CHECKING:
+    from railhil.panel.branches import Branches
     from railhil.panel.foxglove import FoxgloveBridge
+    from railhil.panel.requirements import LiveRequirements
 
 #: Largest number of batches a second; a reading costs about the same for few frames as for many.
 RATE_HZ = 10.0
 #: Bytes that may wait for a page; beyond it batches are left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+#: Of a report, which has its own script and asks for nothing.
+_REPORT_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 #: Said behind the address where a person has started the panel alone.
 _ENDED_BY = " (Ctrl-C ends it)"
-_OWN = ("panel.css", "panel.js", "store.js", "curves.js", "gauges.js", "fault_form.js", "line.js")
+_SCRIPTS = ("panel", "store", "curves", "gauges", "fault_form", "line", "requirements", "branch")
+_OWN = ("panel.css", *(f"{name}.js" for name in _SCRIPTS))
 _OF_CHARTS = ("uPlot.iife.min.js", "uPlot.min.css", "charts.js", "charts.css")
 #: Path -> package and file.
+_BRANCH = "/branch/"
 _FILES = {
     "/": ("railhil.panel", "static/panel.html"),
     **{f"/{name}": ("railhil.panel", f"static/{name}") for name in _OWN},
@@ -60,6 +69,10 @@ _FILES = {
 
 class PageSource(Protocol):
     """What is shown."""
+
+    @property
+    def branches(self) -> Branches | None:
+        """Makes branches of a recorded run; None: there is none."""
 
     def describe(self) -> dict[str, Any]:
         """The first message to a page."""
@@ -132,6 +145,11 @@ class PanelServer:
         self.port = server.sockets[0].getsockname()[1]
         return server
 
+    def close(self) -> None:
+        """End what was begun for the pages."""
+        if self._source.branches is not None:
+            self._source.branches.close()
+
     async def run(self, ends: Callable[[], bool], beside: Callable[[], None] = lambda: None) -> None:
         """Read the source and send its news to the pages, until ``ends``.
 
@@ -169,16 +187,31 @@ class PanelServer:
         path = request.path.partition("?")[0]
         if path == "/ws":
             return self._check_origin(connection, request)
+        if path.startswith(_BRANCH):
+            return self._serve_report(connection, request, path.removeprefix(_BRANCH))
         if path not in _FILES:
             found = HTTPStatus.NO_CONTENT if path == "/favicon.ico" else HTTPStatus.NOT_FOUND
             return connection.respond(found, "" if found is HTTPStatus.NO_CONTENT else "not found\n")
         package, name = _FILES[path]
         body = files(package).joinpath(name).read_bytes()
+        return self._page(body, _TYPES[name[name.rindex(".") :]], _POLICY)
+
+    def _serve_report(self, connection: ServerConnection, request: Request, number: str) -> Response:
+        """The report of a branch; not to a page that reaches this server under a foreign name."""
+        hosts = {origin.removeprefix("http://") for origin in self._origins}
+        branches = self._source.branches
+        body = None if branches is None or request.headers.get("Host") not in hosts else branches.report(number)
+        if body is None:
+            return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
+        return self._page(body, "text/html", _REPORT_POLICY)
+
+    @staticmethod
+    def _page(body: bytes, kind: str, policy: str) -> Response:
         headers = Headers(
             {
-                "Content-Type": f"{_TYPES[name[name.rindex('.') :]]}; charset=utf-8",
+                "Content-Type": f"{kind}; charset=utf-8",
                 "Content-Length": str(len(body)),
-                "Content-Security-Policy": _POLICY,
+                "Content-Security-Policy": policy,
                 "X-Content-Type-Options": "nosniff",
                 "Referrer-Policy": "no-referrer",
                 "Cache-Control": "no-store",
@@ -187,11 +220,15 @@ class PanelServer:
         )
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, body)
 
+    @property
+    def _origins(self) -> set[str]:
+        """The origins of the own pages."""
+        return {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
+
     def _check_origin(self, connection: ServerConnection, request: Request) -> Response | None:
         """A foreign page must not talk to this server, under any name of this machine."""
-        own = {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
         origins = request.headers.get_all("Origin")
-        if len(origins) != 1 or origins[0] not in own:
+        if len(origins) != 1 or origins[0] not in self._origins:
             return connection.respond(HTTPStatus.FORBIDDEN, "origin not allowed\n")
         return None
 
@@ -200,7 +237,9 @@ class PanelServer:
             await connection.close(1002, f"subprotocol {SUBPROTOCOL} only")
             return
         page = Page(connection)
-        await connection.send(json.dumps({"header": self._source.describe() | {"commands": bool(self.token)}}))
+        header = self._source.describe()
+        header["commands"] = bool(self.token) and header.get("commands", False)
+        await connection.send(json.dumps({"header": header}))
         for message in self._source.read_past():
             await connection.send(message)
         self._pages[connection] = page
@@ -257,15 +296,22 @@ def serve_panel(namespace: argparse.Namespace) -> int:
             raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
         from railhil.panel.recorded import RecordedRuns
 
-        runs = RecordedRuns(namespace.what)
-        return asyncio.run(_serve(PanelServer(runs, "", namespace.port), Output(stderr=True), _ENDED_BY))
+        runs = RecordedRuns(namespace.what, namespace.requirements)
+        panel = PanelServer(runs, secrets.token_urlsafe(16), namespace.port)
+        return asyncio.run(_serve(panel, Output(stderr=True), _ENDED_BY))
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", " ".join(namespace.what), "one scenario, or run folders")
     named = _named(next(iter(namespace.what), None), namespace)
     operator = Operator(str(namespace.operator)) if namespace.operator else None
     receiver = _make_receiver(named_bus(namespace), namespace.follow)
-    source = LiveRun(RunIdentity(named, namespace.controller), receiver, operator)
-    token = secrets.token_urlsafe(16) if operator else ""
+    branches = None
+    if namespace.follow is not None and operator is None:
+        from railhil.panel.branches import Branches
+
+        branches = Branches([namespace.follow])
+    identity, requirements = RunIdentity(named, namespace.controller), _live_requirements(named, namespace)
+    source = LiveRun(identity, receiver, operator, requirements, branches)
+    token = secrets.token_urlsafe(16) if operator or branches else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge: FoxgloveBridge | None = None
     if namespace.foxglove is not None:
@@ -292,6 +338,26 @@ def _named(text: str | None, namespace: argparse.Namespace) -> AnyScenario | Non
             allowed = f"a run folder, {error.allowed}"
             raise InputError("command line", "SCENARIO|RUN", text, allowed, error.hint) from None
     return named_scenario(text, namespace.set, namespace.fault)
+
+
+def _live_requirements(named: AnyScenario | None, namespace: argparse.Namespace) -> LiveRequirements | None:
+    """Judges the run by the sentences of the scenario and of the files that a command line names; None: there are none.
+
+    :raises InputError: a sentence is wrong, or does not fit the scenario that is named.
+    """
+    scenario = next(iter(namespace.what), None)
+    own = {} if scenario is None else sentences(scenario, namespace.set)
+    if not own and not namespace.requirements:
+        return None
+    # A panel without requirements does not load their language.
+    from railhil.judge.requirements.requirement import check_requirements, named_requirements, requirements_in
+    from railhil.panel.requirements import LiveRequirements
+
+    known = requirements_in(own, "" if scenario is None else stable_name(scenario))
+    found = (*known, *named_requirements(namespace.requirements, known))
+    if named is not None:
+        check_requirements(found, named)
+    return LiveRequirements(found)
 
 
 def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
@@ -326,7 +392,10 @@ async def _serve(
     if operator is not None:
         # The run begins now.
         operator.greet()
-    await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+    try:
+        await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+    finally:
+        panel.close()
     for server in servers:
         server.close()
         await server.wait_closed()

@@ -58,6 +58,44 @@ class OwnTime:
         return digest.hexdigest()
 
 
+class RunClock:
+    """Gives the frames of one run, in bus order, the times that they had in it.
+
+    :param contract: the one used for recording.
+    """
+
+    def __init__(self, scenario: AnyScenario, contract: Contract) -> None:
+        self._kept: list[Timed] = []
+        self._session = make_session(
+            scenario, str, RunSpec(), contract=contract, keep=lambda time_ns, frame: self._kept.append((time_ns, frame))
+        )
+        self._poll_id = contract.poll_id
+        #: Frames after the end of the run.
+        self.after = 0
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the beginning of the run was among the frames."""
+        return self._session.recording
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the end of the run was among the frames."""
+        return self._session.ended is not None
+
+    def take(self, frame: Frame) -> Timed | None:
+        """The frame with its time; None: it is no part of the run."""
+        if self.has_ended and (self.after or frame.can_id == self._poll_id):
+            # The answer to the plant's last poll is the end of the record.
+            self.after += 1
+            return None
+        self._session.handle(frame)
+        # The recorder's own answers are among the frames already.
+        timed = self._kept[0] if self._kept else None
+        self._kept.clear()
+        return timed
+
+
 def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
     """The frames of a run with the times that they had in it.
 
@@ -66,48 +104,39 @@ def own_time(log: Path, scenario: AnyScenario, contract: Contract) -> OwnTime:
         begins during the run, or has a second one.
     """
     kept: list[Timed] = []
-    session = make_session(
-        scenario, str, RunSpec(), contract=contract, keep=lambda time_ns, frame: kept.append((time_ns, frame))
-    )
+    clock = RunClock(scenario, contract)
     touched = any(word in text for text in scenario.faults for word in _TOUCHING)
     order = None if touched else _Order(scenario, contract)
-    before = after = moved = 0
-    latest_ns, count = 0, 0
-    first, clock, poll_id = contract.port(PltIdent.PORT), contract.clock_port, contract.poll_id
-    opening, clock_ids, own = (first.address, first.fd_id), (clock.address, clock.fd_id), OwnFrames(contract)
+    before = moved = latest_ns = 0
+    first, counted = contract.port(PltIdent.PORT), contract.clock_port
+    opening, clock_ids, own = (first.address, first.fd_id), (counted.address, counted.fd_id), OwnFrames(contract)
     # A run that has begun before is heard: its PLT_IDENT is a repetition until nodes are searched again.
     others_from = 0
     for number, (time_ns, frame) in enumerate(read_log(log), 1):
         if time_ns < latest_ns - _BACK_MAX_NS:
             raise _at(log, number, f"{time_ns / 1e9:.6f} s", f"{latest_ns / 1e9:.6f} s or later")
         latest_ns = max(latest_ns, time_ns)
-        if not session.recording and (others_from or frame.can_id not in opening):
+        if not clock.has_begun and (others_from or frame.can_id not in opening):
             # Frames of another run, or of the search for nodes: the time begins with the run.
-            is_scan = _is_scan(frame, contract)
+            is_scan = is_search(frame, contract) or frame.can_id == contract.device_status_id
             before += not is_scan
             if is_scan:
                 others_from = 0
             elif not others_from and frame.can_id in clock_ids and frame in own:
                 others_from = number
             continue
-        if session.ended is not None and frame.can_id in opening and frame in own:
+        if clock.has_ended and frame.can_id in opening and frame in own:
             raise _at(log, number, "the beginning of a second run", "the end of the first")
-        if session.ended is not None and (after or frame.can_id == poll_id):
-            # The answer to the plant's last poll is the end of the record.
-            after += 1
+        timed = clock.take(frame)
+        if timed is None:
             continue
         if order is not None and (wrong := order.contradiction(frame)):
             raise _at(log, number, *wrong)
-        session.handle(frame)
-        if len(kept) == count:
-            continue
-        # The recorder's own answers are in the log already.
-        del kept[count + 1 :]
-        count += 1
-        moved += kept[-1][0] != time_ns
-    if others_from and not session.recording:
-        raise _at(log, others_from, f"{clock.name} and no {PltIdent.PORT} before it", "the handshake first")
-    return OwnTime(kept, tuple(_notes(log, moved, before, after)))
+        kept.append(timed)
+        moved += timed[0] != time_ns
+    if others_from and not clock.has_begun:
+        raise _at(log, others_from, f"{counted.name} and no {PltIdent.PORT} before it", "the handshake first")
+    return OwnTime(kept, tuple(_notes(log, moved, before, clock.after)))
 
 
 def _notes(log: Path, moved: int, before: int, after: int) -> Iterable[str]:
@@ -125,10 +154,9 @@ def _at(log: Path, number: int, found: str, allowed: str) -> InputError:
     return InputError(log, where, Words(found), f"{allowed}: a log of one run in the order of the bus")
 
 
-def _is_scan(frame: Frame, contract: Contract) -> bool:
-    """Whether a frame belongs to the search for nodes before a run, which no recorder keeps."""
-    is_poll = frame.can_id == contract.poll_id and bool(frame.data)
-    return frame.can_id == contract.device_status_id or (is_poll and frame.data[0] >> 4 == F_DEVICE_STATUS)
+def is_search(frame: Frame, contract: Contract) -> bool:
+    """Whether a frame is a poll of the search for nodes before a run, which no recorder keeps."""
+    return frame.can_id == contract.poll_id and bool(frame.data) and frame.data[0] >> 4 == F_DEVICE_STATUS
 
 
 class _Order:

@@ -302,6 +302,14 @@ class RunSpec:
         return [self.scenario, *set_words(self.settings), *fault_words(self.faults)]
 
     @property
+    def requirement_words(self) -> list[str]:
+        """The words that name the files of its requirements."""
+        files = dict.fromkeys(str(one["file"]) for one in self.requirements if one.get("file"))
+        # The scenario has its own.
+        files.pop(self.scenario, None)
+        return [word for file in files for word in ("--requirements", file)]
+
+    @property
     def number_words(self) -> list[str]:
         """The words that number the run; none for the first."""
         return ["--run-number", str(self.run_number)] if self.run_number != 1 else []
@@ -315,10 +323,7 @@ class RunSpec:
         words += self.number_words
         words += [word for text in self.orders for word in (ORDER, text)]
         words += self.plant_fmu.words if self.plant_fmu is not None else []
-        files = dict.fromkeys(str(one["file"]) for one in self.requirements if one.get("file"))
-        # The scenario has its own.
-        files.pop(self.scenario, None)
-        words += [word for file in files for word in ("--requirements", file)]
+        words += self.requirement_words
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhil.bus.codes import FaultOrder
+from railhil.bus.telegrams import SupCmd
 from railhil.judge.requirements.bound import Bound
 from railhil.judge.requirements.grid import Grid
 from railhil.judge.requirements.names import Names
@@ -117,13 +119,33 @@ def judge_requirements(record: Record, requirements: Iterable[Requirement]) -> t
         return ()
     if record.verdict == "INVALID":
         return tuple(_not_judged(one) for one in found)
+    return judge_frames(record, found)
+
+
+def judge_frames(record: Record, requirements: Sequence[Requirement]) -> tuple[Outcome, ...]:
+    """As :func:`judge_requirements`, whether or not the record is that of a whole run.
+
+    :raises InputError: a sentence does not fit the scenario.
+    """
     names = Names(record.scenario, Trace(record.trace.contract), record.certificate.get("notes"))
     grid = Grid(record)
-    has_faults = bool(record.scenario.faults or record.certificate.get("injected"))
+    has_faults = _has_faults(record)
     return tuple(
         _not_judged(one) if has_faults and one.when == "none" else judge_one(one, one.bind(names), grid)
-        for one in found
+        for one in requirements
     )  # fmt: skip
+
+
+def _has_faults(record: Record) -> bool:
+    """Whether the run has faults; one that is injected by hand counts if an order has injected one."""
+    texts = [*record.scenario.faults, *(one["fault"] for one in record.certificate.get("injected") or ())]
+    if not texts:
+        return False
+    # A run without faults does not load their language.
+    from railhil.faults.language import parse
+
+    by_hand = all(parse(text).trigger.kind == "manual" for text in texts)
+    return not by_hand or bool((record.trace.raw(SupCmd.PORT, "FaultOrder") == FaultOrder.INJECT).any())
 
 
 def with_requirements(record: Record, requirements: Sequence[Requirement]) -> Score:

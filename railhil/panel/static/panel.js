@@ -3,6 +3,8 @@ import { Store } from "./store.js";
 import { Curves } from "./curves.js";
 import { FaultForm } from "./fault_form.js";
 import { Line } from "./line.js";
+import { showRequirements } from "./requirements.js";
+import { BranchForm } from "./branch.js";
 import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
@@ -70,6 +72,8 @@ function take(message) {
   if (message.state) { page.state = message.state; showState(message.state); }
   if (message.frames) showList(message);
   if (message.kinds) form.take(message.kinds);
+  if (message.requirements) showRequirements(byId("judged"), message.requirements, pick);
+  if (message.branches) branches.take(message);
   if (message.learning) showLearning(message.learning);
   if (message.refused) answered(message.refused);
   if (message.answer) {
@@ -79,6 +83,7 @@ function take(message) {
 }
 
 function answered(refused, said = "") {
+  if (page.header.branches) { branches.say(refused); return; }
   const box = byId("answer");
   box.className = refused ? "bad" : "";
   box.textContent = refused ? `✕ ${refused}` : said ? `✓ ${said}` : "";
@@ -91,6 +96,8 @@ function begin(header) {
   byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
   document.title = `${header.runs[0].name} - railhil`;
   byId("desk").hidden = !header.commands;
+  byId("judged").hidden = true;
+  branches.begin(header);
   byId("frames-of").hidden = header.kind !== "live";
   byId("lamps").hidden = !page.layout.lamps.length || header.runs.length > 1;
   byId("axis").hidden = page.layout.position < 0;
@@ -156,6 +163,7 @@ function show() {
   slider.max = end;
   if (document.activeElement !== slider || page.picked === null) slider.value = instant;
   byId("at").textContent = `${instant.toFixed(2)} s`;
+  branches.at(instant);
   byId("live").hidden = page.picked === null || page.header.kind !== "live";
 }
 
@@ -257,6 +265,8 @@ function showDesk() {
 }
 
 const form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
+
+const branches = new BranchForm(byId("branch"), (asked) => order(asked, ""));
 
 function emergencyNumber() {
   return (page.state?.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
