@@ -89,8 +89,12 @@ def estimate(values: NDArray[np.float64], q: float) -> Estimate:
 
 
 def share(hits: NDArray[np.bool_]) -> Share:
-    """Share of the runs for which ``hits`` is true, with the exact interval of Clopper and Pearson (1934)."""
-    count, runs = int(np.count_nonzero(hits)), len(hits)
+    """Share of the runs for which ``hits`` is true, with the interval of :func:`share_of`."""
+    return share_of(int(np.count_nonzero(hits)), len(hits))
+
+
+def share_of(count: int, runs: int) -> Share:
+    """``count`` of ``runs`` runs, with the exact interval of Clopper and Pearson (1934)."""
     low = float(betaincinv(count, runs - count + 1, _TAIL)) if count else 0.0
     high = float(betaincinv(count + 1, runs - count, 1 - _TAIL)) if count < runs else 1.0
     return Share(count, runs, low, high)

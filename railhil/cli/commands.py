@@ -30,6 +30,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "campaign": "thousands of perturbed runs: statistics, worst runs",
         "hunt": "search for faults that violate a requirement, shrink them",
         "bench-suite": "planted defects for searches, and a table of who found them",
+        "probability": "how often drawn runs violate a requirement, down to 1e-7",
         "learn": "sequences of runs of a law that learns: how its errors decrease",
         "sequence": "record runs of a law that learns as one piece of evidence",
         "reproduce": "run the protocol of a paper, compare with its tables",

@@ -24,6 +24,7 @@ PROGRAMS = {
     "hunt": "railhil.hunt",
     "learn": "railhil.sequences",
     "panel": "railhil.panel",
+    "probability": "railhil.probability",
     "reproduce": "railhil.reproduce",
     "sequence": "railhil.sequences.sequence_command",
     "target": "railhil.cli.target",

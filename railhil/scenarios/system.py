@@ -89,6 +89,12 @@ class System:
     coupling: str | None = None
     #: Makes many runs of a case (:func:`railhil.systems.ato.batch.run_batch`); without it campaigns run the nodes.
     batch: str | None = None
+    #: Makes runs of a case from vectors (:class:`railhil.systems.ato.batch.VectorRuns`); without it such runs go
+    #: through the nodes.
+    vectors: str | None = None
+    #: Function of a scenario: names of the numbers that its key ``draws`` gives, None for a number without effect;
+    #: without it its runs cannot be given draws and noise.
+    draws: str | None = None
     #: Function of scenario and recorded trace that equals the digest of the batch; needed with ``batch``.
     digest: str | None = None
     #: Name of the module with the batch's compiled loops.

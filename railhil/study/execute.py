@@ -127,7 +127,7 @@ def _kept(study: Study[P, C], folder: PartsFolder[P, C], say: Callable[[str], No
 
     def how_on() -> str:
         again = f"{study.command} --resume {folder.path}{words}"
-        return f"{folder.kept():,} of {folder.total:,} runs are kept; {again} goes on"
+        return f"{folder.kept():,} of {folder.total:,} {study.unit}s are kept; {again} goes on"
 
     try:
         yield
@@ -166,17 +166,17 @@ def _make_parts(
         say(complaint)
     total, kept = folder.total, folder.kept()
     if kept:
-        say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
+        say(f"{folder.path}: {kept:,} of {total:,} {study.unit}s are there already")
     tasks = _Tasks(study, plan, left)
     began_s, used_s, new = monotonic(), process_time(), 0
-    with engine(run_task, tasks) as made, show_progress(console, "runs", total, kept) as shown:
+    with engine(run_task, tasks) as made, show_progress(console, f"{study.unit}s", total, kept) as shown:
         for place, (name, content) in made:
             folder.write_part(name, content)
             new += left[place].runs
-            shown(kept + new, f"runs, {new / (monotonic() - began_s):,.0f}/s")
+            shown(kept + new, f"{study.unit}s, {new / (monotonic() - began_s):,.3g}/s")
             if time_s is not None and monotonic() - began_s >= time_s and folder.leading():
                 break
     if new:
         wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
-        said = count_of(new, "run", spec=",")
+        said = count_of(new, study.unit, spec=",")
         say(f"{said} in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")

@@ -62,8 +62,8 @@ def finished_rows(study: Study[P, C], plan: P, folder: Path) -> pa.Table:
     except (OSError, NotThePart) as why:
         allowed = f"what {study.command} has written"
         raise InputError(folder / RESULTS, "", Words(str(why)), allowed) from why
-    if rows.num_rows != (wanted := sum(chunk.runs for chunk in plan.chunks())):
-        allowed = f"{wanted}, as many as {study.manifest} names runs"
+    if rows.num_rows != (wanted := sum(chunk.runs for chunk in study.grown(plan, rows).chunks())):
+        allowed = f"{wanted}, as many as {study.manifest} names {study.unit}s"
         raise InputError(folder / RESULTS, "rows", rows.num_rows, allowed)
     return rows
 

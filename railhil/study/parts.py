@@ -126,9 +126,9 @@ class PartsFolder(Generic[P, C]):
                 left.append(chunk)
             except NotThePart as why:
                 left.append(chunk)
-                complaints.append(
-                    f"{self.part(chunk)} is {why}: its {count_of(chunk.runs, 'run is', 'runs are')} made again"
-                )
+                unit = self._study.unit
+                lost = count_of(chunk.runs, f"{unit} is", f"{unit}s are")
+                complaints.append(f"{self.part(chunk)} is {why}: its {lost} made again")
                 self.part(chunk).unlink()
         return left, complaints
 

@@ -86,7 +86,8 @@ class Study(Generic[P, C]):
     differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console, plan,
     outcome, that line) prints the tables. ``finish``: (plan, outcome, engine, say) -> the outcome with what is made of
     all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command. ``cut``: (plan, n) -> the plan
-    of its first n chunks, for a study that may end by time; None: it may not.
+    of its first n chunks, for a study that may end by time; None: it may not. ``grown``: (plan,
+    rows) -> the plan with the chunks of these rows, where ``finish`` adds some. ``unit``: what a row is.
     """
 
     name: str
@@ -105,6 +106,8 @@ class Study(Generic[P, C]):
     finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
     exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS
     cut: Callable[[P, int], P] | None = None
+    grown: Callable[[P, pa.Table], P] = lambda plan, rows: plan
+    unit: str = "run"
 
     @property
     def command(self) -> str:

@@ -182,10 +182,14 @@ class Names:
             given.setdefault(_TIME_ERROR_KEY, "s")
         return {
             key.removesuffix(suffix_of(unit)): Quantity(
-                unit_of(unit), _score_values(key), _STAMP_STEP if unit in ("m", "s") else 0.0
+                unit_of(unit), self.score_values(key), _STAMP_STEP if unit in ("m", "s") else 0.0
             )
             for key, unit in given.items()
         }
+
+    def score_values(self, key: str) -> Values:
+        """The values of a score on a grid."""
+        return _score_values(key)
 
 
 def _titled(columns: Callable[[Any, Trace], Sequence[Any]], scenario: Any, grid: Grid) -> Iterable[Any]:

@@ -37,6 +37,24 @@ def count_draws(line: Line) -> int:
     return _DRAWS + len(line.balises)
 
 
+def name_draws(scenario: Scenario) -> tuple[str | None, ...]:
+    """The name of each draw, in their order; None: the scenario has no distribution for it."""
+    given = scenario.perturbations
+    named: list[tuple[str, Uniform | None]] = [
+        ("mass factor", given.mass_factor),
+        ("Davis factor", given.davis_factor),
+        ("grade factor", given.grade_factor),
+        ("grade offset", given.grade_offset_permil),
+        ("actuator pole", given.actuator_pole_factor),
+        ("force gain", given.force_gain_factor),
+        ("speed noise", given.speed_noise_sigma_mps),
+        ("wheel factor", given.wheel_factor),
+        ("loop delay", given.loop_delay_s),
+        *((f"balise {balise.number}", given.balise_position_error_m) for balise in scenario.line.balises),
+    ]
+    return tuple(name if bounds is not None else None for name, bounds in named)
+
+
 def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
     """Numbers in 0..1 that determine the perturbations of a run, shape (draws,): the scenario's own ``draws``, else
     those of the seed.

@@ -1,0 +1,261 @@
+"""The plan of a study of a probability: a requirement, the pilot, and repetitions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from railhil.common.command_line import ARITHMETICS, SEED_MAX, USUAL_SCENARIO
+from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.controller_node.controller import make_controller_node
+from railhil.judge.requirements.requirement import (
+    Requirement,
+    check_requirements,
+    named_requirements,
+    requirements_in,
+    shipped_requirements,
+)
+from railhil.probability.interval import REPETITIONS_MIN, runs_for
+from railhil.probability.limit_state import Bench, LimitState, draw_names, sides_of
+from railhil.probability.sampling import Level, Pilot, draw_points, find_levels
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario, require_perturbations
+from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.study.manifest import one_of
+from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+
+RUNS_MAX = 100_000_000
+#: Runs of a part of the brute force.
+BRUTE_RUNS = 5_000
+METHODS = AUTO, SUBSET, BRUTE = "auto", "subset", "brute"
+#: Runs of the descent to the least disturbance (chosen: 15 draws need about 1000).
+LEAST_RUNS = 3000
+#: A pilot that is stuck is made again with other points, so many times in all.
+_PILOTS = 3
+#: Id of the sentence of ``--says``.
+_SAID = "SAID"
+#: Random numbers of the pilot; the repetitions have their numbers from 0 on.
+_PILOT_STREAM, _REPETITION_STREAM = 0, 1
+#: Code, beyond the bench's own, on which the rows depend.
+_OWN_CODE = ("probability",)
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The request from the command line. ``requirement``: its id, in ``requirements`` (files, and names of systems that
+    ship one; none: what the scenario's system ships); ``says``: a sentence instead. ``controller``, ``arithmetic``,
+    ``parameters``, ``at_most``: empty: the usual one, or none. ``points``: of each level of a repetition."""
+
+    scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
+    settings: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
+    requirement: str = ""
+    says: str = ""
+    controller: str = ""
+    arithmetic: Annotated[str, one_of(("", *ARITHMETICS))] = ""
+    parameters: str = ""
+    accuracy: Annotated[float, Field(gt=0, le=10)] = 0.3
+    max_runs: Annotated[int, Field(ge=1000, le=RUNS_MAX)] = 1_000_000
+    points: Annotated[int, Field(ge=100, le=100_000)] = 1000
+    method: Annotated[str, one_of(METHODS)] = AUTO
+    at_most: Annotated[float, Field(ge=0, le=1)] = 1.0
+    seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """What the pilot has fixed. ``levels``: of each side; none: brute force. ``runs``: of the pilot."""
+
+    levels: tuple[tuple[Level, ...], ...]
+    estimate: float
+    runs: int
+    repetition_runs: int
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """One repetition. ``rows``: one for each side."""
+
+    index: int
+    runs: int
+
+    @property
+    def name(self) -> str:
+        """Name of its part, without suffix."""
+        return f"repetition-{self.index:05d}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study of a probability; to resume it, its identity must be the same. ``more``: repetitions (or parts of the
+    brute force), None: as many as the pilot says."""
+
+    request: Request
+    scenario: AnyScenario
+    bench: Bench
+    requirement: Requirement
+    more: int | None = None
+
+    @cached_property
+    def state(self) -> LimitState:
+        """The bench as a function of vectors. Raises InputError."""
+        return LimitState(self.bench, self.scenario)
+
+    @cached_property
+    def design(self) -> Design:
+        """The pilot is made once.
+
+        :raises InputError: the law has failed.
+        """
+        asked, random = self.request, self.random(_PILOT_STREAM, 0)
+        if asked.method == BRUTE:
+            return Design((), 0.0, 0, BRUTE_RUNS)
+        pilots: list[Pilot] = []
+        runs = 0
+        for side in range(len(self.bench.sides)):
+            for _ in range(_PILOTS):
+                plain = draw_points(asked.points, len(self.state.names), True, random)
+                found = find_levels(self.state, side, plain, self.state(plain), asked.points, random)
+                runs += asked.points + found.runs
+                if found.is_whole:
+                    break
+            pilots.append(found)
+        estimate = sum(pilot.estimate for pilot in pilots)
+        each = asked.points + sum(pilot.runs for pilot in pilots)
+        levels = tuple(pilot.levels for pilot in pilots)
+        if asked.method == AUTO and estimate and runs_for(estimate, asked.accuracy) <= REPETITIONS_MIN * each:
+            return Design((), estimate, runs, BRUTE_RUNS)
+        return Design(levels, estimate, runs, each)
+
+    @property
+    def repetitions(self) -> int:
+        """Number of repetitions, or of parts of the brute force."""
+        if self.more is not None:
+            return self.more
+        design, most = self.design, self.most_repetitions
+        if design.levels:
+            return min(REPETITIONS_MIN, most)
+        p = design.estimate or 1 / self.request.max_runs
+        # A tenth more: the pilot's estimate is a rough one.
+        return min(-(-int(1.1 * runs_for(p, self.request.accuracy)) // BRUTE_RUNS), most)
+
+    @property
+    def most_repetitions(self) -> int:
+        """Number of repetitions that the greatest number of runs allows."""
+        # The first repetition has as many further runs, with new noise, as it has plain ones.
+        other = self.design.runs + self.request.points + LEAST_RUNS
+        return max(1, (self.request.max_runs - other) // self.design.repetition_runs)
+
+    def random(self, stream: int, number: int) -> np.random.Generator:
+        """The random numbers of the pilot or of a repetition."""
+        return np.random.default_rng([self.request.seed, stream, number])
+
+    def repetition_random(self, number: int) -> np.random.Generator:
+        """The random numbers of a repetition."""
+        return self.random(_REPETITION_STREAM, number)
+
+    def chunks(self) -> list[Chunk]:
+        """All parts."""
+        rows = len(self.bench.sides) if self.design.levels else 1
+        return [Chunk(index, rows) for index in range(self.repetitions)]
+
+    def origin(self, chunk: Chunk) -> str:
+        """The identification of a part. A longer study has the same first parts."""
+        return f"{self.results_origin} {chunk.name}"
+
+    @property
+    def subject(self) -> dict[str, Any]:
+        """Everything that determines a row."""
+        law = self.bench.base.law
+        asked = self.request
+        return {
+            "scenario": self.scenario.name,
+            "scenario_sha256": any_judged_sha256(self.scenario),
+            "law": law.label,
+            **law.how,
+            "parameters_sha256": None if law.parameters is None else law.parameters.sha256,
+            "requirement": self.requirement.as_json(),
+            "seed": asked.seed,
+            "points": asked.points,
+            "method": asked.method,
+            "accuracy": asked.accuracy,
+            "law_sha256": law_sha256(law.controller, self.scenario.system),
+            "code_sha256": bench_sha256(),
+            "batch_sha256": batch_sha256(*_OWN_CODE),
+            "system_sha256": self.scenario.installed_system.code_sha256(),
+        }
+
+    @property
+    def results_origin(self) -> str:
+        """Hash of :attr:`subject`; recorded in the results and in every part."""
+        return sha256_of_json(self.subject)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """The values that must be unchanged when the study is resumed."""
+        return self.subject | {"max_runs": self.request.max_runs, "at_most": self.request.at_most}
+
+    @property
+    def own_code(self) -> tuple[str, ...]:
+        """Code, beyond the bench's own, on which the rows depend."""
+        return _OWN_CODE
+
+    def grown(self, repetitions: int) -> Plan:
+        """The same with another number of repetitions; what the pilot has found is kept."""
+        found = replace(self, more=repetitions)
+        found.__dict__.update({name: self.__dict__[name] for name in ("state", "design") if name in self.__dict__})
+        return found
+
+
+def make_plan(request: Request) -> Plan:
+    """Load what the request names, and check that its law can be made.
+
+    :raises InputError: a scenario, law or requirement that cannot be run, or a scenario that draws nothing.
+    """
+    scenario = load_any(request.scenario, request.settings)
+    system = scenario.installed_system
+    require_perturbations(scenario, "probability")
+    draw_names(scenario)
+    parameters = load_parameters(Path(request.parameters)) if request.parameters else None
+    controller = request.controller or (parameters.law if parameters is not None else system.law)
+    system.check_law(controller, "command line", "--controller")
+    if parameters is not None and parameters.law != controller:
+        raise InputError(parameters.source, "law", parameters.law, f"{controller}, the law of --controller")
+    law = LawSpec(controller, request.arithmetic or system.arithmetic, parameters=parameters)
+    requirement = _requirement(request, scenario)
+    if requirement.when == "none" and scenario.faults:
+        found = Words(f"{requirement.id} is about runs without faults")
+        raise InputError("command line", "--requirement", found, "a scenario without faults, or another requirement")
+    sides = sides_of(requirement)
+    check_requirements((requirement,), scenario)
+    for side in sides:
+        check_requirements((side,), scenario)
+    base = RunSpec(request.scenario, request.settings, law, perturbed=True, bus="local")
+    make_controller_node(scenario, replace(base, seed=0)).close()
+    return Plan(request, scenario, Bench(base, sides), requirement)
+
+
+def _requirement(request: Request, scenario: AnyScenario) -> Requirement:
+    if bool(request.says) == bool(request.requirement):
+        told = Sentence("one of them is needed: the id of a requirement, or a sentence")
+        raise InputError("command line", "--requirement, --says", None, told)
+    if request.says:
+        tables = {"requirement": [{"id": _SAID, "says": request.says}]}
+        return requirements_in(tables, "command line --says")[0]
+    words: Sequence[str] = request.requirements
+    if not words:
+        shipped_requirements(scenario.system)
+        words = (scenario.system,)
+    known = {one.id: one for one in named_requirements(words)}
+    if request.requirement not in known:
+        hint = did_you_mean(request.requirement, known)
+        raise InputError("command line", "--requirement", request.requirement, f"one of {', '.join(known)}", hint)
+    return known[request.requirement]
