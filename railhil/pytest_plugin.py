@@ -18,16 +18,19 @@ from railhil.testing.settings import FLAG, OPTIONS, Settings, settings_from
 
 if TYPE_CHECKING:
     from railhil.testing.bench import Bench
+    from railhil.testing.required import Shown
 
 _SETTINGS = pytest.StashKey[Settings]()
 _BENCH = pytest.StashKey["Bench"]()
 _FAILED = pytest.StashKey[bool]()
 _MISUSED = pytest.StashKey[str]()
+#: Argument of the marker ``requirement``.
+_REQUIRES = "requires"
 #: Arguments of the marker ``railhil``: the arguments of a run that a module's tests have in common.
 _USUAL = ("scenario", "controller", "arithmetic", "indexing", "parameters", "settings", "faults")
 _MARKERS = (
     f"railhil({', '.join(f'{name}=' for name in _USUAL)}): what the test's runs have in common",
-    "requirement(id, ...): the test shows these requirements",
+    "requirement(id, ..., requires=): the test shows these requirements; requires: a sentence that its runs must keep",
     "needs_socketcan: needs kernel SocketCAN: vcan0, or --railhil-bus socketcan:...",
     "needs_adapter: needs an adapter: --railhil-bus INTERFACE:CHANNEL",
     "expect_loss: frames may be lost, refused or out of order in its runs",
@@ -97,7 +100,9 @@ def bench(
 
     item = request.node
     runs = railhil_config.runs or tmp_path_factory.mktemp("railhil")
-    made = item.stash[_BENCH] = Bench(railhil_config, _usual(item), item.path.parent, runs, _name(item))
+    made = item.stash[_BENCH] = Bench(
+        railhil_config, _usual(item), item.path.parent, runs, _name(item), _required(item)
+    )  # fmt: skip
     yield made
     made.close()
     disturbances = [] if item.get_closest_marker("expect_loss") else made.disturbances
@@ -118,6 +123,12 @@ def _usual(item: pytest.Item) -> dict[str, Any]:
     for mark in item.iter_markers("railhil"):
         found = {**mark.kwargs, **found}
     return found
+
+
+def _required(item: pytest.Item) -> list[tuple[str, str]]:
+    """Names and sentences of the markers ``requirement`` that require one."""
+    marks = item.iter_markers(requirements.PROPERTY)
+    return [(mark.args[0], mark.kwargs[_REQUIRES]) for mark in marks if _REQUIRES in mark.kwargs]
 
 
 def _name(item: pytest.Item) -> str:
@@ -150,8 +161,15 @@ def _misused(mark: pytest.Mark) -> str:
             found = ", ".join((*map(repr, mark.args), *(f"{name}=" for name in unknown))) or "nothing"
             return f"found {found}, allowed {', '.join(f'{name}=' for name in _USUAL)}"
     elif mark.name == "requirement":
-        if mark.kwargs or not mark.args or not all(isinstance(one, str) and one.strip() for one in mark.args):
-            return 'allowed one or more names, such as requirement("ATO-12")'
+        names_given = mark.args and all(isinstance(one, str) and one.strip() for one in mark.args)
+        if not names_given or mark.kwargs.keys() - {_REQUIRES}:
+            return 'allowed one or more names, such as requirement("ATO-12"), and requires= beside one'
+        if (says := mark.kwargs.get(_REQUIRES)) is not None:
+            if len(mark.args) > 1 or not isinstance(says, str):
+                return "allowed requires= with a sentence, beside one name"
+            from railhil.testing.required import problem_of
+
+            return problem_of(mark.args[0], says)
     elif mark.name in ("needs_socketcan", "needs_adapter", "expect_loss") and (mark.args or mark.kwargs):
         return "allowed no arguments"
     return ""
@@ -169,6 +187,32 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
         if not vcan_available():
             pytest.skip("needs_socketcan: this kernel has no vcan0 (railhil vcan, or --railhil-bus socketcan:can0)")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
+    """Fail a test of which a run violates a sentence that it requires, or in which none has shown it."""
+    try:
+        result = yield
+    except BaseException:
+        item.user_properties += [one.fact(has_failed=True) for one in _shown(item)]
+        raise
+    found = _shown(item)
+    item.user_properties += [one.fact(has_failed=False) for one in found]
+    if lines := [one.line for one in found if one.line]:
+        pytest.fail("\n".join(lines), pytrace=False)
+    return result
+
+
+def _shown(item: pytest.Item) -> list[Shown]:
+    """What the runs of a test have shown of the sentences that it requires."""
+    required = dict.fromkeys(_required(item))
+    if not required:
+        return []
+    from railhil.testing.required import shown
+
+    bench = item.stash.get(_BENCH, None)
+    return [shown(name, says, bench.runs if bench is not None else ()) for name, says in required]
 
 
 @pytest.hookimpl(wrapper=True)

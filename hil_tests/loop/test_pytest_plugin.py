@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import subprocess
 import sys
@@ -93,7 +94,7 @@ def test_a_suite_and_its_report(suite: pytest.Pytester) -> None:
     two = dict(found["test_two_runs"])
     assert (two["controller"], two["controller.2"], two["arithmetic"]) == ("ipfc_plus", "ipfc", "float64")
     rows = (suite.path / "kept/requirements.csv").read_text().splitlines()
-    assert rows[0] == "requirement,verdict,test,outcome"
+    assert rows[0] == "requirement,verdict,test,outcome,margin,unit,instant_s,antecedent_met"
     assert len(rows) == 1 + 3 + 4
 
 
@@ -116,6 +117,58 @@ def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
     for name in found.keys() - {"test_nothing"}:
         folder = Path(dict(found[name])["certificate"]).parent
         assert [path.name for path in folder.iterdir()] == ["certificate.json"], name
+
+
+@pytest.mark.slow
+def test_the_runs_of_a_test_are_judged_by_the_sentence_that_it_requires(suite: pytest.Pytester) -> None:
+    suite.makepyfile(
+        test_suite="""
+        import pytest
+
+        pytestmark = pytest.mark.railhil(scenario="short.toml", controller="ipfc_plus")
+
+        @pytest.mark.requirement("A-1", requires="never true_speed < 0 km/h")
+        def test_kept(bench):
+            assert [one.kept for one in bench.run().outcome.requirements.values()] == [True]
+
+        @pytest.mark.requirement("A-2", requires="always true_speed <= 1 km/h")
+        def test_violated(bench):
+            bench.run()
+
+        @pytest.mark.requirement("A-3", requires="whenever age(TRN_SPEED) > 64 ms, within 20 ms notch_command <= 0")
+        def test_not_shown(bench):
+            assert bench.run().passed
+
+        @pytest.mark.requirement("A-3", requires="whenever age(TRN_SPEED) > 64 ms, within 20 ms notch_command <= 0")
+        def test_shown_by_hand(bench):
+            with bench.start(faults=["TRN_SPEED loss @1s for 90ms"]) as live:
+                live.finish()
+
+        @pytest.mark.requirement("A-4", requires="never true_speed < 0 km/h")
+        def test_without_a_run():
+            pass
+        """
+    )
+    done = run_suite(suite.path, "--railhil-runs", "kept", "-rA")
+    done.assert_outcomes(passed=2, failed=3)
+    done.stdout.fnmatch_lines_random(
+        [
+            "requirement A-2: always true_speed <= 1 km/h: violated, margin * m/s at * s (run folder */kept/*)",
+            "NOT SHOWN: requirement A-3: whenever age(TRN_SPEED) > 64 ms, *: its antecedent was never met in 1 run",
+            "NOT SHOWN: requirement A-4: never true_speed < 0 km/h: the test has finished no run",
+            "A-1  PASSED     1 of 1 tests passed",
+            "A-2  FAILED     0 of 1 tests passed",
+            "A-3  PASSED     1 of 2 tests passed",
+            "     not shown: *::test_not_shown",
+            "A-4  NOT SHOWN  0 of 1 tests passed",
+        ]
+    )
+    with (suite.path / "kept/requirements.csv").open() as stream:
+        rows = {row["test"].partition("::")[2]: row for row in csv.DictReader(stream)}
+    assert (rows["test_kept"]["margin"], rows["test_kept"]["unit"]) == ("0.0", "m/s")
+    assert float(rows["test_violated"]["margin"]) < 0 < float(rows["test_violated"]["instant_s"])
+    assert [rows[f"test_{name}"]["antecedent_met"] for name in ("not_shown", "shown_by_hand")] == ["0", "1"]
+    assert rows["test_without_a_run"]["margin"] == ""
 
 
 @pytest.mark.slow
@@ -227,6 +280,10 @@ def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:
         ("railhil(law='ipfc')", "marker railhil: found law=, allowed scenario="),
         ("requirement()", "marker requirement: allowed one or more names"),
         ("requirement(12)", "marker requirement: allowed one or more names"),
+        ("requirement('A-1', needs='x')", "marker requirement: allowed one or more names"),
+        ("requirement('A-1', 'A-2', requires='never fault')", "allowed requires= with a sentence, beside one name"),
+        ("requirement('A-1', requires='nevr fault')", 'requirement A-1: "nevr"'),
+        ("requirement('1 2', requires='never fault')", "requirement[0].id: found '1 2'"),
         ("expect_loss(True)", "marker expect_loss: allowed no arguments"),
     ],
 )

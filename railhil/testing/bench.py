@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,10 +45,20 @@ class Bench:
     :param beside: folder of the test's file: a scenario file there is found by its name.
     :param runs: folder for the run folders, which is made.
     :param name: of the test; the run folders are named after it.
+    :param required: names and sentences by which each run is judged.
     """
 
-    def __init__(self, settings: Settings, usual: Mapping[str, Any], beside: Path, runs: Path, name: str) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        usual: Mapping[str, Any],
+        beside: Path,
+        runs: Path,
+        name: str,
+        required: Sequence[tuple[str, str]] = (),
+    ) -> None:
         self.settings = settings
+        self._required = tuple(required)
         #: Finished runs of this test, in their order.
         self.runs: list[Run] = []
         #: Finished hunts of this test, in their order.
@@ -67,7 +78,8 @@ class Bench:
         :raises NeverBegan: the nodes refused the run, or no frame came.
         """
         given = self._given(seed, perturbed, spec)
-        made = self._on_target(spec_of(given.pop("scenario"), pace=self.settings.pace, bus=self._kind, **given))
+        asked = self._judged(spec_of(given.pop("scenario"), pace=self.settings.pace, bus=self._kind, **given))
+        made = self._on_target(asked)
         bus, foreign = self.settings.bus, self.settings.no_controller
         run = Run(library.run(made, bus=bus, no_controller=foreign, out=self._new_folder()))
         self.runs.append(run)
@@ -82,7 +94,7 @@ class Bench:
             found = self.settings.bus
             raise InputError("bench.start", "bus", found, "local: on a bus the test does not hold the clock")
         given = self._given(seed, perturbed, spec)
-        asked = with_requirements(spec_of(given.pop("scenario"), bus="local", **given), ())
+        asked = with_requirements(self._judged(spec_of(given.pop("scenario"), bus="local", **given)), ())
         made, scenario = checked_spec(self._on_target(asked))
         folder = self._new_folder()
         live = Live(made, scenario, folder, self.runs.append)
@@ -125,6 +137,14 @@ class Bench:
         )  # fmt: skip
         self.hunts.append(found)
         return found
+
+    def _judged(self, spec: RunSpec) -> RunSpec:
+        """The run, judged by the sentences that the test requires."""
+        if not self._required:
+            return spec
+        from railhil.testing.required import required_tables
+
+        return replace(spec, requirements=(*spec.requirements, *required_tables(self._required)))
 
     def _on_target(self, spec: RunSpec) -> RunSpec:
         """The run with its law, or its C controller, on the target of the session."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,24 +12,33 @@ from pathlib import Path
 PROPERTY = "requirement"
 #: Name of the table in the folder of the session's runs.
 FILE_NAME = "requirements.csv"
-#: Outcomes of pytest -> result of a requirement; the worst comes first.
+NOT_SHOWN = "NOT SHOWN"
+#: Outcomes of pytest, and of a test that fails only because no run has shown its sentence -> result of a requirement;
+#: the worst comes first.
 _SAYS: Mapping[str, str] = {
     "error": "FAILED",
     "failed": "FAILED",
     "xpassed": "FAILED",
     "xfailed": "FAILED",
-    "skipped": "NOT SHOWN",
+    "not shown": NOT_SHOWN,
+    "skipped": NOT_SHOWN,
     "passed": "PASSED",
 }
-_ORDER = ("FAILED", "PASSED", "NOT SHOWN")
+_ORDER = ("FAILED", "PASSED", NOT_SHOWN)
+#: Columns of what the runs of a test have shown of the sentence that it requires, in the table; empty without one.
+_SHOWN = ("margin", "unit", "instant_s", "antecedent_met")
 
 
 @dataclass
 class Requirement:
-    """A requirement and its tests: id and outcome of each, in their order."""
+    """A requirement and its tests: id and outcome of each, in their order.
+
+    ``shown``: what the runs of a test have shown of the sentence that it requires, by columns of the table.
+    """
 
     name: str
     tests: dict[str, str] = field(default_factory=dict)
+    shown: dict[str, Mapping[str, object]] = field(default_factory=dict)
 
     @property
     def verdict(self) -> str:
@@ -47,10 +57,19 @@ def requirements(reports: Iterable[tuple[str, str, Sequence[tuple[str, object]]]
     for outcome, test, properties in reports:
         if outcome not in _SAYS:
             continue
+        sentences = {
+            key.removeprefix(f"{PROPERTY}."): json.loads(str(value))
+            for key, value in properties
+            if key.startswith(f"{PROPERTY}.")
+        }
         for key, value in properties:
             if key == PROPERTY:
-                tests = found.setdefault(str(value), Requirement(str(value))).tests
-                tests[test] = min(outcome, tests.get(test, outcome), key=worst.index)
+                one = found.setdefault(str(value), Requirement(str(value)))
+                shown = sentences.get(one.name, {})
+                said = "not shown" if outcome == "failed" and shown.get("verdict") == NOT_SHOWN else outcome
+                one.tests[test] = min(said, one.tests.get(test, said), key=worst.index)
+                if shown:
+                    one.shown[test] = shown
     return sorted(found.values(), key=lambda one: one.name)
 
 
@@ -71,7 +90,9 @@ def write(found: Sequence[Requirement], folder: Path) -> Path:
     path = folder / FILE_NAME
     with path.open("w", encoding="utf-8", newline="") as stream:
         rows = csv.writer(stream, lineterminator="\n")
-        rows.writerow(("requirement", "verdict", "test", "outcome"))
+        rows.writerow(("requirement", "verdict", "test", "outcome", *_SHOWN))
         for one in found:
-            rows.writerows((one.name, one.verdict, test, outcome) for test, outcome in one.tests.items())
+            for test, outcome in one.tests.items():
+                shown = one.shown.get(test, {})
+                rows.writerow((one.name, one.verdict, test, outcome, *(shown.get(name) for name in _SHOWN)))
     return path
