@@ -107,7 +107,7 @@ class RunEnv(gymnasium.Env[Values, Values]):
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[Values, dict[str, Any]]:
-        """Begin a run, up to its first control period.
+        """Begin a run, up to its first control period; ``info`` has its ``seed``.
 
         :param seed: of the run, as of :func:`railhil.run`; None: drawn.
         :raises InputError: there is an option, or the run ends before its first control period.
@@ -124,7 +124,7 @@ class RunEnv(gymnasium.Env[Values, Values]):
         found = self._wait()
         if isinstance(found, Result):
             raise InputError(_CALL, "reset", Words(found.line or "a run without one"), "a control period")
-        return self._observed(), {}
+        return self._observed(), {"seed": drawn}
 
     def step(self, action: Values) -> tuple[Values, float, bool, bool, dict[str, Any]]:
         """One control period.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 import warnings
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -172,6 +174,37 @@ def test_gymnasium_makes_it_by_name(short: str) -> None:
     env.step(np.array([1.0]))
     assert env.step(np.array([1.0]))[2:4] == (False, True)
     env.close()
+
+
+@pytest.mark.slow
+def test_a_seed_that_is_drawn_is_named_and_follows_from_the_one_given(short: str) -> None:
+    env = RunEnv(short)
+    drawn = [[env.reset(seed=seed)[1]["seed"] for seed in (3, None, None)] for _ in range(2)]
+    assert drawn[0] == drawn[1]
+    assert len(set(drawn[0])) == 3
+    env.close()
+
+
+@pytest.mark.slow
+def test_episodes_side_by_side_do_not_disturb_each_other(short: str) -> None:
+    alone = [played(RunEnv(short), seed, follow)[1]["frames_sha256"] for seed in (1, 2)]
+    both = [RunEnv(short), RunEnv(short)]
+    observed = [env.reset(seed=seed)[0] for env, seed in zip(both, (1, 2), strict=True)]
+    found: dict[int, str] = {}
+    while len(found) < 2:
+        for number, env in enumerate(both):
+            if number not in found:
+                observed[number], _, terminated, truncated, info = env.step(np.array([follow(observed[number])]))
+                if terminated or truncated:
+                    found[number] = info["frames_sha256"]
+    assert [found[0], found[1]] == alone
+
+
+def test_without_gymnasium_the_line_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [one for one in sys.modules if one.startswith("railhil.gym")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    assert "(the extra [gym])" in refused(lambda: import_module("railhil.gym"))
 
 
 def refused(call: Any) -> str:
