@@ -8,6 +8,7 @@
     study.py     the hunt as a study: rows, summary, runs made again
     shrink.py    from a case that violates a requirement to a smaller one that violates the same
     found.py     the least cases as scenario files, each run again from its file
+    tighten.py   the tightest bounds of kept requirements
     nearest.py   the nearest case that keeps the requirement
     show.py      what is printed; report.py, pictures.py: the page
     outcome.py   ``railhil.hunt``, the same as a function

@@ -60,6 +60,8 @@ def arguments() -> argparse.ArgumentParser:
     note = "what is disturbed: faults, or levels, places and words of them (default: faults)"
     parser.add_argument("--what", type=_names, metavar="sensors,adhesion,...", help=note)
     parser.add_argument("--all", action="store_true", help="shrink and keep every case that violates something")
+    note = "state the tightest bound of each kept requirement that held in all runs, and write these sentences"
+    parser.add_argument("--tighten", action="store_true", help=note)
     parser.add_argument("--no-shrink", action="store_true", help="keep the cases as they were found")
     parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
     add_option(parser, "--jobs")

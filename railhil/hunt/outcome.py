@@ -28,6 +28,8 @@ from railhil.run.spec import Files, Settings, Texts, settings_of, texts_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.system import names as system_names
 
+_YES_OR_NO = Kind("True or False", lambda value: isinstance(value, bool))
+
 
 @dataclass(frozen=True, slots=True)
 class Searched:
@@ -139,7 +141,8 @@ def _names(requirements: Files) -> tuple[str, ...]:
             "a mapping, a text KEY=VALUE or a list of such texts",
             lambda value: isinstance(value, Mapping) or are_texts(value),
         ),
-        "shrink": Kind("True or False", lambda value: isinstance(value, bool)),
+        "shrink": _YES_OR_NO,
+        "tighten": _YES_OR_NO,
         "jobs": JOBS,
         "out": PATH_OR_NONE,
     },
@@ -157,6 +160,7 @@ def hunt(
     seed: int = 0,
     strategy: str = "auto",
     shrink: bool = True,
+    tighten: bool = False,
     jobs: int = 1,
     out: str | Path | None = None,
 ) -> HuntOutcome:
@@ -173,6 +177,7 @@ def hunt(
     :param seed: of the cases.
     :param strategy: how cases are made.
     :param shrink: whether the first violations are made smaller.
+    :param tighten: whether the tightest bounds that held are stated, as ``summary["tight"]``.
     :param jobs: processes; -1: one per core. A script that begins a hunt when it is imported must not do so again in
         them (``if __name__ == "__main__"``).
     :param out: its folder (default ``runs/<utc>-<scenario>-hunt``); an incomplete hunt is resumed.
@@ -195,6 +200,7 @@ def hunt(
         seed=seed,
         strategy=strategy,
         no_shrink=not shrink,
+        tighten=tighten,
     )
     plan = make_plan(checked_request(HUNT, request, Path("railhil.hunt")))
     made = make_study(HUNT, plan, jobs, out)

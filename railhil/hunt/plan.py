@@ -42,7 +42,7 @@ class Request:
     """The request from the command line. ``requirements``: files, and names of systems that ship one. ``controller``,
     ``arithmetic``: empty: the usual one of the scenario's system. ``only``: ids of requirements, or beginnings of them;
     empty: all. ``what``: is searched, by the names of :mod:`railhil.hunt.bounds`; empty: faults. ``all``: shrink every
-    case that violates something, and keep all."""
+    case that violates something, and keep all. ``tighten``: state the tightest bounds that held."""
 
     scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
@@ -56,6 +56,7 @@ class Request:
     no_shrink: bool = False
     what: tuple[str, ...] = ()
     all: bool = False
+    tighten: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from railhil.common.digits import count_of
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
 from railhil.hunt.pictures import Side, figures, side
 from railhil.hunt.plan import Plan
-from railhil.hunt.show import headline, nearest, saved_sentence, sentences_option, verdict_line
+from railhil.hunt.show import headline, nearest, saved_sentence, sentences_option, tight_sentence, verdict_line
 from railhil.judge.record import checked_record
 from railhil.judge.requirements.drawn import DrawnSentence
 from railhil.judge.requirements.names import Names
@@ -42,6 +42,7 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         verdict=verdict_line(summary),
         requirements=[{**one, "nearest": nearest(one)} for one in summary["requirements"]],
         strategies=summary["strategies"],
+        tight=[(one["id"], tight_sentence(one)) for one in summary.get("tight", ())],
         cases=[_case(plan, one, folder, place < _DRAWN_MAX) for place, one in enumerate(summary["found"])],
         chart_scripts=script(),
         chart_styles=styles_text(),

@@ -39,8 +39,11 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     what = f"{many}the rules of every run"
     yield f"{summary['scenario']}, {law.controller} {law.arithmetic}, {what}; seed {summary['seed']}"
     yield headline(summary)
+    tight = {one["id"]: one for one in summary.get("tight", ())}
     for one in summary["requirements"]:
         yield requirement_line(one)
+        if one["id"] in tight:
+            yield f"    {tight_sentence(tight[one['id']])}"
         for least in (case for case in summary["found"] if case["id"] == one["id"]):
             yield from _least(least, folder, sentences_option(plan, one["id"]))
     yield verdict_line(summary)
@@ -117,6 +120,16 @@ def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str
     yield f"    railhil run {file}{one['options']}{sentences}"
     repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
+
+
+def tight_sentence(one: Mapping[str, Any]) -> str:
+    """The tightest bound of a requirement that held."""
+    still_open = f" ({one['open_runs']:,} open at the end)" if one["open_runs"] else ""
+    held = f"held in {count_of(one['runs'], 'run', spec=',')}{still_open} with {one['bound']} instead of {one['was']}"
+    if not one["is_confirmed"]:
+        return f"{held}: NOT CONFIRMED by case {one['case']}, made again"
+    least = "less cannot be said" if one["is_least"] else f"case {one['case']} violates the next tighter one"
+    return f"{held}; {least}"
 
 
 def saved_sentence(one: Mapping[str, Any]) -> str:

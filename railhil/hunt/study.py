@@ -17,12 +17,14 @@ from railhil.hunt.found import FOUND, read_found, shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
 from railhil.hunt.plan import Chunk, Plan, Request, cut, make_plan
 from railhil.hunt.show import show
+from railhil.hunt.tighten import read_tight, tighten
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import SILENT
 from railhil.run.report import say_report
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
@@ -193,6 +195,12 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
     yield Verified(f"case {case.number}", {"case": case.number}, differences(ours, bench))
 
 
+def finish(plan: Plan, made: Outcome, engine: Engine, say: Say) -> Outcome:
+    """Shrink what was found, and tighten what was kept if that is asked for."""
+    made = shrink_violations(plan, made, engine, say)
+    return tighten(plan, made, engine) if plan.request.tighten else made
+
+
 def exit_code(plan: Plan, made: Outcome) -> int:
     """0: no violation found; 1: violated; 3: more than half of the runs say nothing; 4: a defect of the bench."""
     found = {one["id"] for one in made.summary["requirements"] if one["verdict"] == "violated"}
@@ -228,7 +236,7 @@ HUNT: Study[Plan, Chunk] = Study(
     repeat=_repeat,
     report=_report,
     show=show,
-    finish=shrink_violations,
+    finish=finish,
     exit_code=exit_code,
     cut=cut,
 )
@@ -248,4 +256,5 @@ def report_of(folder: Path, out: Path) -> None:
         raise InputError(
             folder, FOUND, Words("unfinished"), "the least cases of a finished hunt (--resume finishes it)"
         )
-    write_page(plan, {**finished_summary(HUNT, folder), "found": found}, folder, out)
+    further = {"found": found, "tight": read_tight(folder)}
+    write_page(plan, {**finished_summary(HUNT, folder), **further}, folder, out)

@@ -12,7 +12,7 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from hil_tests.support.user_suite import properties, run_suite
 from railhil.hunt.oracle import run_case
 from railhil.hunt.outcome import HuntOutcome
-from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.requirement import Requirement, read_requirements
 from railhil.scenarios.run_spec import RunSpec
 
 pytest_plugins = "pytester"
@@ -34,8 +34,9 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> HuntOutcome:
     folder = tmp_path_factory.mktemp("hunt")
     write_short(folder)
     return railhil.hunt(
-        folder / "short.toml", requirements=folder / "mine.toml", runs=8, seed=3, shrink=False, out=folder / "hunt"
-    )
+        folder / "short.toml", requirements=folder / "mine.toml", runs=8, seed=3, shrink=False, tighten=True,
+        out=folder / "hunt",
+    )  # fmt: skip
 
 
 @pytest.mark.slow
@@ -51,6 +52,16 @@ def test_what_was_found_stands_in_its_attributes(found: HuntOutcome) -> None:
     assert kept.margin is not None
     assert kept.margin > 0
     assert "CUT  VIOLATED in " in found._repr_html_()
+
+
+@pytest.mark.slow
+def test_the_tightest_bound_that_held_is_a_sentence_that_the_nearest_case_keeps(found: HuntOutcome) -> None:
+    (tight,) = found.summary["tight"]
+    assert (tight["id"], tight["was"], tight["is_confirmed"]) == ("BACK", "-1 km/h", True)
+    (requirement,) = read_requirements(found.folder / "tight.toml")
+    assert requirement.says == tight["says"] == f"never true_speed < {tight['bound']}"
+    limit_mps = float(tight["bound"].removesuffix(" m/s"))
+    assert limit_mps == pytest.approx(-1 / 3.6 + found.requirements["BACK"].margin, abs=1e-3)
 
 
 @pytest.mark.slow
