@@ -6,7 +6,10 @@
     cases.py     strategies: (seed, number) -> the faults of a case
     oracle.py    one case as a run, judged: requirements, rules of every run, cells reached
     study.py     the hunt as a study: rows, summary, runs made again
-    shrink.py    from a case that violates a requirement to a smaller one that violates the same
+    bounds.py    what may be drawn: [hunt] of the scenario, --what
+    draws.py     draws of [perturbations]: at random, by descent, the least ones
+    shrink.py    from faults that violate a requirement to smaller ones that violate the same
+    least.py     the least case: faults and draws, and the nearest that keeps the requirement
     found.py     the least cases as scenario files, each run again from its file
     tighten.py   the tightest bounds of kept requirements
     nearest.py   the nearest case that keeps the requirement

@@ -10,7 +10,7 @@ from railhil.common.command_line import OneLineParser
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.hunt.cases import STRATEGIES
-from railhil.hunt.plan import RUNS_MAX, Plan, Request
+from railhil.hunt.plan import DESCENT, RUNS_MAX, Plan, Request
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number
 from railhil.study.engines import ENGINES
@@ -56,8 +56,10 @@ def arguments() -> argparse.ArgumentParser:
         "--time", type=_time_s, metavar="30min", help="end with the runs made in this time, h, min or s"
     )
     add_number(parser, Request, "seed")
-    parser.add_argument("--strategy", choices=STRATEGIES, help="how cases are made (default: auto, in turn)")
-    note = "what is disturbed: faults, or levels, places and words of them (default: faults)"
+    parser.add_argument(
+        "--strategy", choices=(*STRATEGIES, DESCENT), help="how cases are made (default: auto, random ones in turn)"
+    )
+    note = "what is disturbed: faults, or levels, places and words of them, and draws (default: faults)"
     parser.add_argument("--what", type=_names, metavar="sensors,adhesion,...", help=note)
     parser.add_argument("--all", action="store_true", help="shrink and keep every case that violates something")
     note = "state the tightest bound of each kept requirement that held in all runs, and write these sentences"

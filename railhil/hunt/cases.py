@@ -16,6 +16,7 @@ from railhil.faults.random_faults import (
     word_subset,
     words_drawn,
 )
+from railhil.hunt.draws import Draws, random_draws
 
 #: Faults of a case by each strategy, smallest and largest number.
 _RANDOM_FAULTS, _SWARM_FAULTS = (1, 2), (2, 5)
@@ -33,7 +34,7 @@ _TURN = ("swarm", "swarm", "random")
 class Space:
     """What cases are drawn from: the duration of the timetable in s; the ports on which faults may act, with their
     signals; those that a run without faults sends; whether a fault keeps to the bounds and a run can inject it; the
-    words that are drawn; the most faults of a case."""
+    words that are drawn; the most faults of a case; which draws of a run have an effect, if they are drawn."""
 
     horizon_s: float
     ports: Ports
@@ -41,16 +42,19 @@ class Space:
     can_inject: Callable[[str], bool]
     words: tuple[Word, ...] = field(default_factory=words_drawn)
     faults_max: int = 5
+    drawn: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class HuntCase:
-    """One case. ``strategy``: that made it; ``seed``: of the run's noise."""
+    """One case. ``strategy``: that made it; ``seed``: of the run's noise; ``draws``: of the scenario's perturbations,
+    standard normal numbers; empty: the run is not perturbed."""
 
     number: int
     strategy: str
     seed: int
     faults: tuple[str, ...]
+    draws: Draws = ()
 
 
 def _random(chance: random.Random, space: Space) -> list[str]:
@@ -95,7 +99,8 @@ def make_case(strategy: str, seed: int, number: int, space: Space) -> HuntCase:
     if strategy == "auto":
         strategy = _TURN[number % len(_TURN)]
     chance = random.Random(f"railhil hunt {strategy} {seed} {number}")
-    return HuntCase(number, strategy, number, tuple(_STRATEGIES[strategy](chance, space)))
+    faults = _STRATEGIES[strategy](chance, space) if space.words else []
+    return HuntCase(number, strategy, number, tuple(faults), random_draws(seed, number, space.drawn))
 
 
 def make_cases(strategy: str, seed: int, numbers: Sequence[int], space: Space) -> tuple[HuntCase, ...]:

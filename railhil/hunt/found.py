@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING, Any
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, describe_os_error
 from railhil.common.user_files import RecordFailed, write_synced
-from railhil.faults.language import parse
-from railhil.faults.notation import place_text
-from railhil.hunt.nearest import nearest_case
+from railhil.hunt.draws import with_draws
+from railhil.hunt.least import Least, ShrinkTask, shrink_case
 from railhil.hunt.oracle import Judged, judge_result, run_case
-from railhil.hunt.shrink import Shrunk, shrink
 from railhil.judge.record import checked_record
 from railhil.record.documents import CERTIFICATE
 from railhil.record.framelog import sha256_of
@@ -41,69 +39,6 @@ SHRUNK_MAX = 3
 #: Ends of the names of run folders beside that of a least case: the same run without the faults of the case, and the
 #: nearest case that keeps the requirement.
 WITHOUT, PASSING = "-without", "-passing"
-_CLASS_WORDS = " and "
-
-
-@dataclass(frozen=True, slots=True)
-class ShrinkTask:
-    """A case that violates a requirement. ``requirements``: by which its runs are judged. ``horizon_s``: as in
-    :func:`railhil.hunt.shrink.shrink`; ``shrinks``: whether it is made smaller at all."""
-
-    base: RunSpec
-    requirements: tuple[Requirement, ...]
-    requirement: str
-    number: int
-    faults: tuple[str, ...]
-    seed: int
-    horizon_s: float
-    shrinks: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Least:
-    """The least case of a task, and its run; ``said``: how that one violates the requirement. ``passing``: faults of
-    the nearest case of its shrinking that keeps it; None: there is none."""
-
-    task: ShrinkTask
-    shrunk: Shrunk
-    said: str
-    frames_sha256: str
-    passing: tuple[str, ...] | None
-
-    @property
-    def kind(self) -> tuple[str, str]:
-        """Its class: the requirement, the places and words of the faults."""
-        faults = sorted(f"{place_text(one.place)} {one.what}" for one in map(parse, self.shrunk.faults))
-        return self.task.requirement, _CLASS_WORDS.join(faults)
-
-
-def shrink_case(task: ShrinkTask) -> Least:
-    """Shrink one case; its runs are made in this process."""
-    runs: dict[tuple[tuple[str, ...], int], Judged] = {}
-
-    def violates(faults: tuple[str, ...], seed: int) -> bool:
-        found = runs[faults, seed] = run_case(task.base, task.requirements, faults, seed)
-        return task.requirement in found.violated and not found.idle
-
-    if task.shrinks and violates((), task.seed):
-        # No fault is needed: nothing is to be learned from those of the case.
-        least = Shrunk((), task.seed, 1, 0)
-    elif task.shrinks:
-        least = shrink(task.faults, task.seed, violates, task.horizon_s)
-        least = replace(least, runs=least.runs + 1)
-    else:
-        least = Shrunk(task.faults, task.seed, 0, 0)
-    key = (least.faults, least.seed)
-    if key not in runs:
-        violates(*key)
-    others = (
-        faults
-        for (faults, seed), found in runs.items()
-        if seed == least.seed and found.is_valid and not found.idle and task.requirement not in found.violated
-    )
-    passing = nearest_case(least.faults, others)
-    said = runs[key].violated.get(task.requirement, "")
-    return Least(task, least, said, runs[key].frames_sha256, passing)
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +140,7 @@ def _tasks(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> Iterator[ShrinkTask
                     row["seed"],
                     plan.scenario.planned_s,
                     not plan.request.no_shrink,
+                    tuple(row["draws"]),
                 )
 
 
@@ -227,8 +163,8 @@ def write_found(plan: Plan, place: Path, least: Sequence[Least], engine: Engine)
         write_synced(place / f"{names[-1]}.toml", text.encode())
     runs: dict[str, _KeptRun] = {}
     for name, one in zip(names, least, strict=True):
-        own = replace(plan.base, seed=one.shrunk.seed)
-        file = replace(own, scenario=str(place / f"{name}.toml"))
+        own = replace(with_draws(plan.base, one.draws), seed=one.shrunk.seed)
+        file = replace(plan.base, seed=one.shrunk.seed, scenario=str(place / f"{name}.toml"))
         searched = one.task.requirement if one.task.shrinks and one.shrunk.faults else ""
         runs[name] = _KeptRun(file, plan.requirements, place / name, searched)
         if one.shrunk.faults:
@@ -249,7 +185,8 @@ def _entry(plan: Plan, name: str, one: Least, again: Judged, no_return: NoReturn
         "name": name,
         "says": one.said,
         "case": task.number,
-        "from": {"faults": list(task.faults), "seed": task.seed},
+        "from": {"faults": list(task.faults), "seed": task.seed, "draws": list(task.draws)},
+        "draws": list(one.draws),
         **asdict(one.shrunk),
         "faults": list(one.shrunk.faults),
         "longer_pass": list(one.shrunk.longer_pass),
@@ -282,6 +219,7 @@ def _scenario_file(plan: Plan, place: Path, name: str, one: Least) -> str:
         f"shrunk in {count_of(one.shrunk.runs, 'run')}",
         "schema_version = 1",
         f"extends = {_toml_text(base)}",
+        *([f"draws = {[*one.draws]}"] if one.draws else []),
         f"fault = [{''.join(f'{chr(10)}    {_toml_text(text)},' for text in faults)}\n]",
     ]
     return "\n".join(line.replace("\r", " ") for line in lines) + "\n"

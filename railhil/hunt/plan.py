@@ -10,10 +10,11 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from railhil.common.command_line import ARITHMETICS, SEED_MAX, USUAL_SCENARIO
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
 from railhil.controller_node.controller import make_controller_node
-from railhil.hunt.bounds import Bounds, read_bounds
+from railhil.hunt.bounds import DRAWS, Bounds, read_bounds
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
+from railhil.hunt.draws import DESCENT_RUNS, drawn_numbers
 from railhil.hunt.oracle import BENCH, RULE_ID
 from railhil.judge.requirements.requirement import (
     Requirement,
@@ -33,8 +34,10 @@ from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of
 RUNS_MAX = 1_000_000
 #: Runs of a part: what a process does at a time, and what is lost when it is killed.
 PART_RUNS = 8
+#: The strategy that makes the margin of a requirement smaller over the draws of its runs.
+DESCENT = "descent"
 #: Code, beyond the bench's own, on which the rows depend.
-_OWN_CODE = ("hunt", "study/faultless.py")
+_OWN_CODE = ("hunt", "study/faultless.py", "study/descent.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +55,7 @@ class Request:
     arithmetic: Annotated[str, one_of(("", *ARITHMETICS))] = ""
     runs: Annotated[int, Field(ge=1, le=RUNS_MAX)] = 2000
     seed: Annotated[int, Field(ge=0, le=SEED_MAX)] = 0
-    strategy: Annotated[str, one_of(STRATEGIES)] = "auto"
+    strategy: Annotated[str, one_of((*STRATEGIES, DESCENT))] = "auto"
     no_shrink: bool = False
     what: tuple[str, ...] = ()
     all: bool = False
@@ -103,7 +106,21 @@ class Plan:
         def can_inject(text: str) -> bool:
             return can_inject_in(system, self.base, text) and self.bounds.allows(text)
 
-        return Space(horizon_s, ports, sent, can_inject, words, self.bounds.faults_max)
+        return Space(horizon_s, ports, sent, can_inject, words, self.bounds.faults_max, self.drawn)
+
+    @property
+    def drawn(self) -> tuple[bool, ...]:
+        """Which draws of a run have an effect; empty: a hunt of faults alone."""
+        return drawn_numbers(self.scenario) if DRAWS in self.bounds.what else ()
+
+    @property
+    def part_runs(self) -> int:
+        """Runs of a part."""
+        return DESCENT_RUNS if self.request.strategy == DESCENT else PART_RUNS
+
+    def aim(self, chunk: Chunk) -> str:
+        """The requirement whose margin a part of a descent makes smaller: each in turn."""
+        return self.requirements[chunk.index % len(self.requirements)].id
 
     def cases(self, numbers: Sequence[int]) -> tuple[HuntCase, ...]:
         """The cases with these numbers."""
@@ -111,8 +128,8 @@ class Plan:
 
     def chunks(self) -> list[Chunk]:
         """All parts, in the order of the cases."""
-        numbers = range(self.request.runs)
-        return [Chunk(index, numbers[first : first + PART_RUNS]) for index, first in enumerate(numbers[::PART_RUNS])]
+        numbers, size = range(self.request.runs), self.part_runs
+        return [Chunk(index, numbers[first : first + size]) for index, first in enumerate(numbers[::size])]
 
     def origin(self, chunk: Chunk) -> str:
         """The identification of a part: its hunt and its cases. A longer hunt has the same first cases."""
@@ -184,13 +201,29 @@ def make_plan(request: Request) -> Plan:
     requirements = tuple(one for one in requirements if _is_named(one.id, request.only))
     base = RunSpec(request.scenario, request.settings, law, bus="local")
     make_controller_node(scenario, replace(base, seed=0)).close()
-    bounds = read_bounds(request.scenario, request.settings, request.what, list_disturbed_signals(system))
-    return Plan(request, scenario, base, requirements, bounds)
+    what = request.what or ((DRAWS,) if request.strategy == DESCENT else ())
+    bounds = read_bounds(request.scenario, request.settings, what, list_disturbed_signals(system))
+    plan = Plan(request, scenario, base, requirements, bounds)
+    _check_draws(plan)
+    return plan
+
+
+def _check_draws(plan: Plan) -> None:
+    """Refuse draws that a run does not have, and a descent that has none or no margin. Raises InputError."""
+    is_descent = plan.request.strategy == DESCENT
+    if is_descent and plan.bounds.what != (DRAWS,):
+        allowed = f"{DRAWS} alone with --strategy {DESCENT}"
+        raise InputError("command line", "--what", ", ".join(plan.bounds.what), allowed)
+    if is_descent and not plan.requirements:
+        allowed = f"sentences: --strategy {DESCENT} makes their margins smaller"
+        raise InputError("command line", "--requirements", Words("none"), allowed)
+    if plan.drawn and not any(plan.drawn):
+        raise InputError("command line", "--what", DRAWS, "a scenario with ranges in [perturbations]")
 
 
 def cut(plan: Plan, chunks: int) -> Plan:
     """The plan of the first parts of a hunt, which has other parts behind them."""
-    return replace(plan, request=replace(plan.request, runs=chunks * PART_RUNS))
+    return replace(plan, request=replace(plan.request, runs=chunks * plan.part_runs))
 
 
 def _is_named(requirement: str, only: Sequence[str]) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import count_of
+from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND
 from railhil.hunt.oracle import BENCH
 from railhil.judge.requirements.sentence import SILENT
@@ -103,7 +104,8 @@ def sentences_option(plan: Plan, requirement: str) -> str:
 
 
 def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str]:
-    for text in one["faults"] or ["(without any fault)"]:
+    draws = [draws_sentence(one["draws"])] if one["draws"] else []
+    for text in [*one["faults"], *draws] or ["(without any fault)"]:
         yield f"    {text}"
     before = one["from"]["faults"]
     shrunk = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,10 @@ import pyarrow as pa
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
 from railhil.hunt.cases import HuntCase
+from railhil.hunt.draws import Draws, descend_rows, with_draws
 from railhil.hunt.found import FOUND, read_found, shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
-from railhil.hunt.plan import Chunk, Plan, Request, cut, make_plan
+from railhil.hunt.plan import DESCENT, Chunk, Plan, Request, cut, make_plan
 from railhil.hunt.show import show
 from railhil.hunt.tighten import read_tight, tighten
 from railhil.judge.requirements.outcome import NOT_JUDGED
@@ -49,6 +50,7 @@ SCHEMA = pa.schema(
         # The faults that acted, and those of the case that changed nothing.
         pa.field("faults", _TEXTS, nullable=False),
         pa.field("idle", _TEXTS, nullable=False),
+        pa.field("draws", pa.list_(pa.float64()), nullable=False),
         pa.field("verdict", pa.string(), nullable=False),
         # Ids of the violated requirements, and a sentence for each.
         pa.field("violated", _TEXTS, nullable=False),
@@ -68,6 +70,7 @@ def case_row(base: RunSpec, requirements: Sequence[Requirement], case: HuntCase)
     If some of its faults changed nothing and it violates something, it is run again without them: what is violated is
     that of a valid run with the faults of the row.
     """
+    base = with_draws(base, case.draws)
     found = run_case(base, requirements, case.faults, case.seed)
     idle = [case.faults[place] for place in found.idle]
     acted = tuple(text for place, text in enumerate(case.faults) if place not in found.idle)
@@ -79,6 +82,7 @@ def case_row(base: RunSpec, requirements: Sequence[Requirement], case: HuntCase)
         "seed": case.seed,
         "faults": list(acted),
         "idle": idle,
+        "draws": list(case.draws),
         "verdict": found.verdict,
         "violated": list(found.violated),
         "said": list(found.violated.values()),
@@ -107,7 +111,30 @@ class ChunkWork:
         return pa.Table.from_pylist(rows, schema=SCHEMA)
 
 
+@dataclass(frozen=True, slots=True)
+class DescentWork(ChunkWork):
+    """A descent of the margin of the requirement ``aim``; its cases have no draws yet."""
+
+    aim: str = ""
+    seed: int = 0
+    drawn: tuple[bool, ...] = ()
+
+    def rows(self) -> pa.Table:
+        cases = {case.number: case for case in self.cases}
+
+        def make_row(number: int, draws: Draws) -> dict[str, Any]:
+            return case_row(self.base, self.requirements, replace(cases[number], draws=draws))
+
+        rows = [*descend_rows(make_row, [*cases], self.aim, self.seed, self.drawn)]
+        return pa.Table.from_pylist(rows, schema=SCHEMA)
+
+
 def _work(plan: Plan, chunk: Chunk) -> ChunkWork:
+    if plan.request.strategy == DESCENT:
+        # One noise for all runs: the margin is then a function of the draws.
+        cases = tuple(HuntCase(number, DESCENT, 0, ()) for number in chunk.numbers)
+        given = plan.base, plan.requirements, plan.scenario.system, plan.own_code, cases
+        return DescentWork(*given, plan.aim(chunk), plan.request.seed, plan.drawn)
     return ChunkWork(plan.base, plan.requirements, plan.scenario.system, plan.own_code, plan.cases(chunk.numbers))
 
 
@@ -190,7 +217,12 @@ def _strategies(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
 def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
     """One case run again."""
     ours = row(rows, place)
-    (case,) = plan.cases([ours["number"]])
+    number = ours["number"]
+    if plan.request.strategy == DESCENT:
+        # Its draws depend on the margins of the runs before.
+        case = HuntCase(number, DESCENT, ours["seed"], (), tuple(ours["draws"]))
+    else:
+        (case,) = plan.cases([number])
     bench = case_row(plan.base, plan.requirements, case)
     yield Verified(f"case {case.number}", {"case": case.number}, differences(ours, bench))
 

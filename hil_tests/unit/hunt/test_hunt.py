@@ -19,6 +19,7 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.faults.language import parse
 from railhil.faults.random_faults import Sent
 from railhil.hunt import found as found_module
+from railhil.hunt import least as least_module
 from railhil.hunt import oracle, plan, study
 from railhil.hunt.oracle import BENCH, Judged
 from railhil.hunt.plan import Plan, Request, make_plan
@@ -67,7 +68,7 @@ class MadeUpBench:
 @pytest.fixture
 def bench(monkeypatch: pytest.MonkeyPatch) -> MadeUpBench:
     made = MadeUpBench()
-    for module in (study, found_module):
+    for module in (study, least_module, found_module):
         monkeypatch.setattr(module, "run_case", made.run_case)
     monkeypatch.setattr(plan, "faultless_run", lambda base: (42.0, SENT))
     return made

@@ -12,7 +12,8 @@ import pytest
 
 from hil_tests.support.browser import TEXTS_OF_CHARTS, asked
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.hunt.found import FOUND, PASSING, WITHOUT, Least, ShrinkTask, write_found
+from railhil.hunt.found import FOUND, PASSING, WITHOUT, write_found
+from railhil.hunt.least import Least, ShrinkTask
 from railhil.hunt.oracle import run_case
 from railhil.hunt.plan import Plan, Request, make_plan
 from railhil.hunt.report import page
@@ -42,7 +43,7 @@ def hunted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Plan, dict[str, An
     case = run_case(plan.base, plan.requirements, LEAST, 0)
     task = ShrinkTask(plan.base, plan.requirements, "SPEED", 3, LEAST, 0, 4.0, True)
     passing = ("TRN_SPEED loss @2s for 20ms", LEAST[1])
-    least = Least(task, Shrunk(LEAST, 0, 12, 2), case.violated["SPEED"], case.frames_sha256, passing)
+    least = Least(task, Shrunk(LEAST, 0, 12, 2), (), case.violated["SPEED"], case.frames_sha256, passing)
     found = write_found(plan, folder / FOUND, [least], straight)
     requirement = {"id": "SPEED", "says": SAYS, "verdict": "violated", "runs": 7, "antecedent_met": 3, "margin": -3.0}
     summary = {
