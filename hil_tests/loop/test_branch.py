@@ -20,10 +20,11 @@ from hil_tests.support.branches import TRUNKS, random_texts, straight_sha256, tr
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_297M_TOML
 from railhil.common.errors import InputError
-from railhil.judge.record import checked_record
+from railhil.judge.record import Record, checked_record
+from railhil.run import no_return
 from railhil.run.branch import Trunk, branch, branch_straight, why_straight
 from railhil.run.make import record_run
-from railhil.run.no_return import ended_at, find_no_return, point_of_no_return
+from railhil.run.no_return import NoReturn, ended_at, find_no_return, point_of_no_return
 from railhil.run.spec import brought_controller
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -274,6 +275,42 @@ def test_the_point_of_no_return_is_between_two_ticks(short: RunSpec, tmp_path: P
     done = railhil("branch", run.place, "--no-return", "--json")
     assert done.exit_code == 0
     assert json.loads(done.out)["saved_s"] == found.saved_s
+
+
+@pytest.mark.slow
+def test_verdict_and_report_of_a_run_tell_its_point_of_no_return(short: RunSpec, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('[[requirement]]\nid = "A-1"\nsays = "always true_speed <= 1 km/h"\n')
+    place = tmp_path / "run"
+    words = ("--requirements", tmp_path / "mine.toml", "--fault", "TRN_SPEED loss @1s for 10ms", "--out", place)
+    done = railhil("run", *short.words, *words, "--no-return")
+    assert done.exit_code == 1
+    verdict = next(line for line in done.out.splitlines() if line.startswith("FAIL: requirement A-1"))
+    said = "ending the faults does not save the run: without them it fails, too (1 branch)"
+    assert verdict.endswith(f"; {said}")
+    assert said in (place / "report.html").read_text()
+    # Without the option it is not looked for.
+    assert railhil("report", place).exit_code == 0
+    assert said not in (place / "report.html").read_text()
+    assert railhil("report", place, "--no-return").exit_code == 0
+    assert said in (place / "report.html").read_text()
+
+
+def test_a_run_that_cannot_be_repeated_says_why_it_has_no_point_of_no_return(
+    short: RunSpec, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(record: Record) -> NoReturn:
+        raise InputError(record.folder, "pace", "realtime", "lockstep")
+
+    monkeypatch.setattr(no_return, "find_no_return", refuse)
+    run = record_run(replace(short, faults=("brake off @2s",), out=tmp_path / "run"))
+    said = no_return.no_return_sentence(checked_record(str(run.place), None))
+    assert said.startswith("the point of no return is not known: ")
+    assert "found 'realtime', allowed lockstep" in said
+
+
+def test_a_run_that_its_faults_have_not_lost_is_told_none(short: RunSpec, tmp_path: Path) -> None:
+    done = railhil("run", *short.words, "--out", tmp_path / "run", "--no-return", "--no-report")
+    assert (done.exit_code, "ending" in done.out) == (0, False)
 
 
 def test_a_run_that_passes_has_no_point_of_no_return(short: RunSpec, tmp_path: Path) -> None:

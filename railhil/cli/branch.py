@@ -35,9 +35,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     # Without a condition it is no fault of the language yet.
     add_option(parser, "--fault", "; without @WHEN it begins at @TIME", type=str)
-    parser.add_argument(
-        "--no-return", action="store_true", help="the last instant at which ending all faults still saves the run"
-    )
+    add_option(parser, "--no-return")
     add_option(parser, "--out DIR")
     add_options(parser, "--no-report")
     add_code_options(parser)
@@ -93,11 +91,6 @@ def _no_return(namespace: argparse.Namespace) -> int:
     found = find_no_return(record)
     if namespace.json:
         print_json({"saved_s": found.saved_s, "lost_s": found.lost_s, "branches": found.branches})
-    elif found.saved_s is None:
-        Output().say(f"ending the faults does not save the run: without them it fails, too ({found.branches} branch)")
     else:
-        Output().say(
-            f"ending all faults at {found.saved_s:g} s still saves the run, at {found.lost_s:g} s no longer "
-            f"({found.branches} branches)"
-        )
+        Output().say(found.sentence)
     return PASS

@@ -11,11 +11,11 @@ from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable
-from railhil.judge.record import checked_record
+from railhil.judge.record import Record, checked_record
 from railhil.record.documents import COMPARISON, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
 from railhil.report.recorded import check_one_scenario
-from railhil.scenarios.options import add_option
+from railhil.scenarios.options import add_option, add_options
 
 #: Studies with a page of their own: the file by which the folder of one is known, and the module that writes the page.
 _STUDIES = {"campaign.json": "railhil.campaign.report", "hunt.json": "railhil.hunt.study"}
@@ -33,7 +33,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "folder", nargs="+", metavar="DIR", help="run folder, or the folder of a comparison, a campaign or a hunt"
     )
-    add_option(parser, "--scenario")
+    add_options(parser, "--scenario", "--no-return")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
     parser.set_defaults(work=work)
 
@@ -57,6 +57,7 @@ def work(namespace: argparse.Namespace) -> int:
         notes += [] if compared is None else compared.get("notes", [])
     records = [checked_record(str(folder), namespace.scenario) for folder in folders]
     notes += [note for record in records for note in record.notes]
+    notes += _no_return(records) if namespace.no_return else []
     check_one_scenario(records)
     if namespace.out is not None:
         out = Path(namespace.out)
@@ -68,6 +69,14 @@ def work(namespace: argparse.Namespace) -> int:
         write_report(records, out, list(dict.fromkeys(notes)), folders)
     Output().say(str(out))
     return 0
+
+
+def _no_return(records: Sequence[Record]) -> list[str]:
+    """The points of no return of the runs that their faults have lost, a sentence each."""
+    from railhil.run.no_return import no_return_sentence
+
+    found = ((record, no_return_sentence(record)) for record in records)
+    return [f"{record.label}: {said}" if len(records) > 1 else said for record, said in found if said]
 
 
 def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> int:

@@ -148,12 +148,14 @@ def print_result(
     notes: Sequence[str],
     report: str,
     verbose: bool,
+    lost: str = "",
 ) -> None:
     """Table, facts of the run, verdict and, after a FAIL, advice.
 
     :param notes: further lines on the results of the run.
     :param verbose: print all assumptions of the scenario, and the time of the command after the last frame.
     :param report: the line about ``report.html``, empty if none was requested.
+    :param lost: the point of no return in words, at the end of the verdict's line; empty: none.
     """
     scenario, folder = run.scenario, result.place
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
@@ -191,6 +193,6 @@ def print_result(
     if run.caution:
         console.say(run.caution, style="bold yellow")
     print_requirements(console, result.score)
-    print_verdict(console, run.verdict, run.line)
+    print_verdict(console, run.verdict, "; ".join(filter(None, (run.line, lost))))
     if advice := next_step(run, folder):
         console.say(advice)

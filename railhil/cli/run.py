@@ -120,7 +120,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_arguments(parser)
     add_option(parser, "--controller", OR_YOURS)
     add_options(parser, "--parameters", "--memory", "--memory-from")
-    add_option(parser, "--requirements")
+    add_options(parser, "--requirements", "--no-return")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, overriding --spec"
@@ -295,7 +295,12 @@ def work(namespace: argparse.Namespace) -> int:
     from railhil.record.hash_list import REPORT
 
     folder, found = result.place, as_recorded(result)
-    report = "" if namespace.no_report else report_line([found], folder)
+    lost = ""
+    if namespace.no_return:
+        from railhil.run.no_return import no_return_sentence
+
+        lost = no_return_sentence(found)
+    report = "" if namespace.no_report else report_line([found], folder, [lost] if lost else ())
     sign_list(folder, namespace.sign)
     # Faults may have been typed while the run waited for its start.
     spec = replace(spec, faults=result.spec.faults)
@@ -308,7 +313,7 @@ def work(namespace: argparse.Namespace) -> int:
             notes.append(report)
         for line in notes:
             console().say(line)
-        print_json(score_json(result))
+        print_json(score_json(result) | ({"no_return": lost} if namespace.no_return else {}))
     else:
-        print_result(console(), found, result, notes, report, namespace.verbose)
+        print_result(console(), found, result, notes, report, namespace.verbose, lost)
     return result.stopped_exit_code or result.exit_code

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL
 from railhil.faults.language import fault_text, parse
@@ -33,6 +34,14 @@ class NoReturn:
     lost_s: float
     branches: int
 
+    @property
+    def sentence(self) -> str:
+        """The same in words."""
+        many = count_of(self.branches, "branch", "branches")
+        if self.saved_s is None:
+            return f"ending the faults does not save the run: without them it fails, too ({many})"
+        return f"ending all faults at {self.saved_s:g} s still saves the run, at {self.lost_s:g} s no longer ({many})"
+
 
 def is_saved(result: Result) -> bool:
     """Whether a run misses nothing that it is judged by; faults that had no effect any more do not count."""
@@ -46,6 +55,16 @@ class _Acting:
     text: str
     begun_s: float | None
     ended_s: float | None
+
+
+def no_return_sentence(record: Record) -> str:
+    """The point of no return of a recorded run in words; empty for a run that its faults have not lost."""
+    if record.verdict != "FAIL" or not _acting(record):
+        return ""
+    try:
+        return find_no_return(record).sentence
+    except InputError as error:
+        return f"the point of no return is not known: {error}"
 
 
 def point_of_no_return(record: Record) -> float | None:

@@ -114,6 +114,9 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "type": _requirements, "action": "append", "default": [], "metavar": "FILE",
         "help": "sentences that judge the run: a TOML file, or the name of a system that ships one; may be given again",
     },
+    "--no-return": {
+        "action": "store_true", "help": "the last instant at which ending all faults still saves a run that fails",
+    },
     FMU_OPTION: {"metavar": "FILE", "help": "this FMU is the controller, native code (needs the extra [fmi])"},
     FMU_MAP_OPTION: {
         "metavar": "FILE", "help": "names of its variables",
@@ -228,7 +231,7 @@ SECTIONS: Final[Mapping[str, tuple[str, ...]]] = {
         "--bus", "--pace", "--rate", "--no-rt", "--appear-timeout", "--patience", "--attach", "--fault-logs",
         "--rerun-command", "--dbc",
     ),
-    "results": ("--requirements", "--out", "--no-report", "--json", "--sign", "--verbose", "--quiet"),
+    "results": ("--requirements", "--no-return", "--out", "--no-report", "--json", "--sign", "--verbose", "--quiet"),
     "panel and operator": ("--panel", "--wait", "--catalogue", "--foxglove", "--operator", ORDER),
 }  # fmt: skip
 _OF_THE_LAW = ("--arithmetic", "--indexing", "--task-period-ms")
