@@ -14,8 +14,10 @@ import pytest
 from railhil.bus.select import own_pipes
 from railhil.cli import panel as cli
 from railhil.live.sockets import PanelSocket
+from railhil.panel.command import arguments
 from railhil.panel.operator import Operator
 from railhil.run.run import Plan
+from railhil.run.spec import with_requirements
 from railhil.scenarios.run_spec import RunSpec
 
 
@@ -79,3 +81,12 @@ def test_a_panel_that_only_greeted_is_told_nothing_and_told_all_once_it_looks(tm
         operator.look()
         assert operator.report == {"phase": "running", "number": 49}
         operator.close()
+
+
+def test_the_panel_beside_a_run_judges_by_the_sentences_of_the_run(tmp_path: Path) -> None:
+    files = [tmp_path / "one.toml", tmp_path / "two.toml"]
+    for number, path in enumerate(files):
+        path.write_text(f'[[requirement]]\nid = "A-{number}"\nsays = "never true_speed < 0 km/h"\n', encoding="utf-8")
+    spec = with_requirements(RunSpec("lvshun_tieshan"), [*files, "ato"])
+    words = cli.PanelBeside(0, None, None)._words(Plan(spec, spec.load(), own_pipes(), tmp_path), tmp_path / "desk")
+    assert arguments().parse_args(words).requirements == [*map(str, files), "ato"]

@@ -8,6 +8,7 @@ import struct
 import urllib.error
 import urllib.request
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ class ScriptedSource:
         self.commands: list[dict[str, Any]] = []
         self.watched: set[int] = set()
         self.lists = 0
+        self.branches: Any = None
 
     def describe(self) -> dict[str, Any]:
         return {"kind": "live"}
@@ -198,6 +200,30 @@ def test_the_page_may_load_nothing_from_elsewhere():
         for path in ("../server.py", "static/panel.js", "x"):
             with pytest.raises(urllib.error.HTTPError, match="404"):
                 await asyncio.to_thread(fetched, path)
+
+    served(visit)
+
+
+def test_the_report_of_a_branch_asks_for_nothing_and_is_given_under_no_foreign_name():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        def fetched(number: str, host: str = "") -> Any:
+            request = urllib.request.Request(f"{panel.address}branch/{number}")
+            if host:
+                request.add_header("Host", host)
+            return urllib.request.urlopen(request, timeout=10)
+
+        def refused(*asked: str) -> None:
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                fetched(*asked)
+
+        await asyncio.to_thread(refused, "0")
+        source.branches = SimpleNamespace(report=lambda number: b"<p>report" if number == "0" else None)
+        answer = await asyncio.to_thread(fetched, "0")
+        assert answer.read() == b"<p>report"
+        assert answer.headers["Content-Security-Policy"].startswith("default-src 'none';")
+        assert "sandbox allow-scripts;" in answer.headers["Content-Security-Policy"]
+        for asked_for in (("1",), ("",), ("0/0",), ("0", f"evil.example:{panel.port}"), ("0", "127.0.0.1")):
+            await asyncio.to_thread(refused, *asked_for)
 
     served(visit)
 

@@ -10,7 +10,8 @@ import pytest
 from hil_tests.support.paths import TEST_DATA
 from hil_tests.unit.judge.requirements.records import REFUSED, judged, record_of
 from railhil.bench import local_run
-from railhil.bus.codes import Event
+from railhil.bus.codes import Event, FaultOrder, SupCommand
+from railhil.bus.telegrams import SupCmd
 from railhil.judge.events.event import LEVEL
 from railhil.judge.folder import write_folder
 from railhil.judge.record import Record, checked_record
@@ -290,6 +291,20 @@ def test_a_requirement_for_runs_without_faults_is_not_judged_on_a_faulty_one() -
     verdicts = [judge_requirements(one, [requirement])[0].verdict for one in (healthy, faulty, invalid)]
     assert verdicts == ["kept", "not judged", "not judged"]
     assert judge_requirements(faulty, [replace(requirement, when="any")])[0].kept
+
+
+def test_a_fault_by_hand_is_a_fault_of_the_run_when_an_order_has_injected_it() -> None:
+    requirement = Requirement("T-1", "always measured_speed < 2 m/s", when="none")
+    found = []
+    for order in (FaultOrder.NONE, FaultOrder.CLEAR, FaultOrder.INJECT):
+        record = record_of(lost(0, 0))
+        record = record.copy_with(
+            scenario=replace(record.scenario, faults=("safety_loop off @manual",)), score=record.score, events=()
+        )
+        told = SupCmd(command=SupCommand.START, fault_number=1, fault_order=order)
+        record.trace.add(SupCmd.PORT, 0, told.encode())
+        found.append(judge_requirements(record, [requirement])[0].verdict)
+    assert found == ["kept", "kept", "not judged"]
 
 
 SENTENCES = (
