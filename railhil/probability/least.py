@@ -133,5 +133,10 @@ def _file(plan: Plan, folder: Path, found: Least) -> str:
         f"extends = {json.dumps(base)}",
         *("draws = [", *named, "]"),
         f"noise = {[list(one) for one in found.noise]}",
+        "[[requirement]]",
+        f"id = {json.dumps(plan.requirement.id)}",
+        f"says = {json.dumps(plan.requirement.says)}",
+        *(["[define]"] if plan.requirement.define else []),
+        *(f"{name} = {json.dumps(text)}" for name, text in plan.requirement.define),
     ]
     return "\n".join(line.replace("\r", " ") for line in lines) + "\n"

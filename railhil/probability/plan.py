@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +18,7 @@ from railhil.judge.requirements.requirement import (
     check_requirements,
     named_requirements,
     requirements_in,
+    scenario_requirements,
     shipped_requirements,
 )
 from railhil.probability.interval import REPETITIONS_MIN, runs_for
@@ -50,9 +50,12 @@ _OWN_CODE = ("probability",)
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """The request from the command line. ``requirement``: its id, in ``requirements`` (files, and names of systems that
-    ship one; none: what the scenario's system ships); ``says``: a sentence instead. ``controller``, ``arithmetic``,
-    ``parameters``, ``at_most``: empty: the usual one, or none. ``points``: of each level of a repetition."""
+    """The request from the command line.
+
+    ``requirement``: its id, in the scenario or in ``requirements`` (files, and names of systems that ship one; none:
+    what the scenario's system ships); ``says``: a sentence instead. ``controller``, ``arithmetic``, ``parameters``:
+    empty: the usual one. ``points``: of each level of a repetition.
+    """
 
     scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
@@ -250,11 +253,12 @@ def _requirement(request: Request, scenario: AnyScenario) -> Requirement:
     if request.says:
         tables = {"requirement": [{"id": _SAID, "says": request.says}]}
         return requirements_in(tables, "command line --says")[0]
-    words: Sequence[str] = request.requirements
-    if not words:
+    own = scenario_requirements(request.scenario, request.settings)
+    words = request.requirements
+    if not words and request.requirement not in (one.id for one in own):
         shipped_requirements(scenario.system)
         words = (scenario.system,)
-    known = {one.id: one for one in named_requirements(words)}
+    known = {one.id: one for one in (*named_requirements(words, own), *own)}
     if request.requirement not in known:
         hint = did_you_mean(request.requirement, known)
         raise InputError("command line", "--requirement", request.requirement, f"one of {', '.join(known)}", hint)

@@ -17,7 +17,7 @@ from rich.console import Console
 
 from hil_tests.support.cli import complaint, railhil
 from hil_tests.unit.probability.linear_states import Linear
-from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.requirement import Requirement, scenario_requirements
 from railhil.probability import least, plan, study
 from railhil.probability.limit_state import Bench, sides_of
 from railhil.probability.plan import Plan, Request, make_plan
@@ -133,7 +133,14 @@ def test_the_least_disturbance_is_the_most_probable_point_and_a_scenario_of_its_
     text = (tmp_path / "a/least.toml").read_text()
     assert 'extends = "lvshun_tieshan"' in text
     assert "not drawn by the scenario" in text
-    assert STOP in text
+    assert [one.says for one in scenario_requirements(str(tmp_path / "a/least.toml"))] == [STOP]
+
+
+def test_a_requirement_of_the_scenario_is_named_by_its_id(tmp_path: Path) -> None:
+    text = f'schema_version = 1\nextends = "lvshun_tieshan"\n[[requirement]]\nid = "NEAR"\nsays = "{STOP}"\n'
+    (tmp_path / "near.toml").write_text(text)
+    asked = Request(str(tmp_path / "near.toml"), requirement="NEAR", controller="ipfc_plus_stop")
+    assert make_plan(asked).requirement.says == STOP
 
 
 def test_a_frequent_event_is_counted(bench: MadeUpBench, tmp_path: Path) -> None:
