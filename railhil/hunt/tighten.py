@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhil.hunt.draws import with_draws
 from railhil.hunt.oracle import run_case
 from railhil.judge.requirements.names import Names
 from railhil.judge.requirements.requirement import Requirement
@@ -118,7 +119,15 @@ def _confirmations(
             if (found := tighter(requirement, names, **given)) is not None:
                 still_open = sum(outcome["verdict"] == OPEN for _, outcome in cases)
                 faults = tuple(row["faults"])
-                yield _Confirmation(plan.base, found, row["number"], faults, row["seed"], len(cases), still_open)
+                yield _Confirmation(
+                    with_draws(plan.base, row["draws"]),
+                    found,
+                    row["number"],
+                    faults,
+                    row["seed"],
+                    len(cases),
+                    still_open,
+                )
                 break
 
 
