@@ -106,9 +106,9 @@ def _check_engine(namespace: argparse.Namespace) -> None:
 def _how(plan: Plan) -> tuple[str, str | None]:
     if plan.state.is_fast:
         return how_made(plan.scenario)
-    # About two runs a second and core, for a journey of a minute or two.
-    hours = 10 * 4 * plan.request.points / 2 / 3600
-    told = f"every run goes through the nodes, about two a second: at least {hours:.1f} h on one core"
+    # A journey of a minute or two takes half a second.
+    hours = plan.request.max_runs / 2 / 3600
+    told = f"every run goes through the nodes, about two a second and core: up to {hours:.3g} h with --max-runs"
     return told, None
 
 

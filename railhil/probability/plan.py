@@ -134,7 +134,10 @@ class Plan:
         estimate = sum(pilot.estimate for pilot in pilots)
         each = asked.points + sum(pilot.runs for pilot in pilots)
         levels = tuple(pilot.levels for pilot in pilots)
-        if asked.method == AUTO and estimate and runs_for(estimate, asked.accuracy) <= REPETITIONS_MIN * each:
+        # Margins of two values, as some levels have them, show no way.
+        is_blind = not all(levels)
+        is_frequent = estimate > 0 and runs_for(estimate, asked.accuracy) <= REPETITIONS_MIN * each
+        if asked.method == AUTO and (is_blind or is_frequent):
             return Design((), estimate, runs, BRUTE_RUNS)
         return Design(levels, estimate, runs, each)
 
@@ -204,7 +207,8 @@ class Plan:
     @property
     def identity(self) -> dict[str, Any]:
         """The values that must be unchanged when the study is resumed."""
-        return self.subject | {"max_runs": self.request.max_runs, "at_most": self.request.at_most}
+        # With more runs it goes on; the bound of a judgement may change.
+        return self.subject
 
     @property
     def own_code(self) -> tuple[str, ...]:

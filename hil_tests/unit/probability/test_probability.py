@@ -165,9 +165,18 @@ def test_an_accuracy_that_the_runs_do_not_reach_is_not_resolved(bench: MadeUpBen
     assert list(lines(made_plan, made.summary, made.folder))[-1].startswith("NOT RESOLVED: wanted +-1% of P, reached")
 
 
+def test_a_study_that_is_resumed_with_more_runs_goes_on(bench: MadeUpBench, tmp_path: Path) -> None:
+    _, made = probability(tmp_path / "a", accuracy=0.1, max_runs=80_000)
+    _, again = probability(tmp_path / "a", accuracy=0.1)
+    before, after = made.summary["repetitions"], again.summary["repetitions"]
+    assert len(before) < len(after)
+    assert after[: len(before)] == before
+
+
 def test_an_event_that_no_run_shows_is_not_resolved_and_has_no_interval(bench: MadeUpBench, tmp_path: Path) -> None:
     bench.flat = True
-    made_plan, made = probability(tmp_path / "a")
+    made_plan, made = probability(tmp_path / "a", max_runs=20_000)
+    assert made.summary["method"] == "brute", "a margin that shows no way can only be counted"
     assert (made.summary["p"], made.summary["low"], made.summary["least"]) == (0.0, None, None)
     assert exit_code(made_plan, made) == 3
     assert any("was not resolved" in line for line in lines(made_plan, made.summary, made.folder))
