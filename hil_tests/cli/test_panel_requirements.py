@@ -118,6 +118,26 @@ def test_the_rows_of_a_run_in_progress_end_as_those_of_its_record_which_then_has
     assert errors == []
 
 
+@pytest.mark.long
+def test_a_run_in_real_time_is_judged_while_it_is_made(chromium: Any, given: Path) -> None:
+    words = ["run", given / "short.toml", "--panel", "0", "--pace", "realtime", "--wait", "-i", "railhil"]
+    page = chromium.new_page()
+    with started(given / "live.txt", *words, "--no-report", "--out", given / "live") as (process, address):
+        page.goto(address)
+        page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
+        said(page, "#requirements", "A-1")
+        assert [row[1] for row in rows(page)] == ["– not decided yet"]
+        page.click("#start")
+        said(page, "#requirements tr:nth-child(1)", "kept so far")
+        said(page, "#requirements tr:nth-child(1)", "violated")
+        assert said(page, "#phase", "running")
+        process.wait(100)
+    page.close()
+    (outcome,) = json.loads((given / "live" / "score.json").read_text(encoding="utf-8"))["requirements"]
+    # A machine that is too busy for real time makes an INVALID run, which is not judged.
+    assert outcome["verdict"] in ("violated", "not judged")
+
+
 def test_from_here_with_a_fault_on_a_recorded_run(chromium: Any, given: Path, recorded: Path) -> None:
     context, errors = chromium.new_context(), []
     page = context.new_page()

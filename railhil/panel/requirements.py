@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import dropwhile
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,9 @@ from railhil.bus.frame import Frame
 from railhil.common.errors import InputError
 from railhil.dbc import house_contract
 from railhil.judge.record import Record
-from railhil.judge.requirements.outcome import Outcome
+from railhil.judge.requirements.outcome import NOT_JUDGED, Outcome
 from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.sentence import OPEN
 from railhil.judge.requirements.so_far import judge_so_far
 from railhil.record.framelog import LOG_NAME
 from railhil.record.own_time import RunClock, is_search
@@ -60,6 +62,8 @@ class LiveRequirements:
     def __init__(self, requirements: Sequence[Requirement]) -> None:
         self._requirements = requirements
         self._house = house_contract()
+        #: Identifiers of the search for nodes before a run.
+        self._searching = {self._house.poll_id, self._house.device_status_id}
         self._scenario: AnyScenario | None = None
         self._notes: Sequence[Mapping[str, Any]] | None = None
         self._due_s = 0.0
@@ -69,6 +73,7 @@ class LiveRequirements:
         """Another run may begin."""
         self._early: list[Frame] = []
         self._count = 0
+        self._is_heard = False
         self._said = ""
         self._begin()
 
@@ -95,16 +100,23 @@ class LiveRequirements:
         :param is_lacking: some were lost before or among them.
         """
         if is_lacking:
-            self._said = _LOST
+            self._said, self._is_new = _LOST, True
         begin = 0
         for place, frame in enumerate(frames):
             if is_search(frame, self._house):
                 self._add(frames[begin:place])
-                self._restart()
                 begin = place
+                if self._is_heard or self._said:
+                    self._restart()
         self._add(frames[begin:])
 
     def _add(self, frames: Sequence[Frame]) -> None:
+        if not self._is_heard:
+            # The search for nodes says nothing of a run.
+            frames = list(dropwhile(lambda frame: frame.can_id in self._searching, frames))
+            if not frames:
+                return
+            self._is_heard = self._is_new = True
         self._count += len(frames)
         self._early += frames[: _EARLY_FRAMES - len(self._early)]
         self._read(frames)
@@ -131,16 +143,22 @@ class LiveRequirements:
 
     def describe(self) -> str:
         """The rows now."""
-        said, found, ended = self._said, tuple[Outcome, ...](), False
-        if self._scenario is not None and self._clock is not None and self._reader is not None and not said:
-            said, ended = "" if self._clock.has_begun else _NOT_HEARD, self._clock.has_ended
-            if not said:
-                record = Record(
-                    Path(LOG_NAME), self._scenario, self._reader.trace, certificate={"notes": self._notes}
-                )  # fmt: skip
-                try:
-                    found = judge_so_far(record, self._requirements, ended=ended)
-                except InputError as error:
-                    said = str(error)
-        rows = found or tuple(Outcome(one.id, one.says, "not judged", title=one.title) for one in self._requirements)
-        return describe_outcomes([("", rows)], said, not ended)
+        if self._said or self._scenario is None or self._clock is None or self._reader is None:
+            return self._undecided(self._said)
+        if not self._clock.has_begun:
+            return self._undecided(_NOT_HEARD if self._is_heard else "")
+        record = Record(Path(LOG_NAME), self._scenario, self._reader.trace, certificate={"notes": self._notes})
+        try:
+            found = judge_so_far(record, self._requirements, ended=self._clock.has_ended)
+        except InputError as error:
+            return self._undecided(str(error))
+        return describe_outcomes([("", found)], so_far=not self._clock.has_ended)
+
+    def _undecided(self, why: str) -> str:
+        """Rows without outcomes.
+
+        :param why: reason why none will come; empty: the run is awaited.
+        """
+        verdict = NOT_JUDGED if why else OPEN
+        rows = [Outcome(one.id, one.says, verdict, title=one.title) for one in self._requirements]
+        return describe_outcomes([("", rows)], why, so_far=True)

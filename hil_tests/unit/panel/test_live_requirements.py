@@ -16,10 +16,12 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import Role
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.cli.run_identity import RunIdentity
+from railhil.common.errors import InputError
 from railhil.judge.record import Record
 from railhil.judge.requirements.outcome import judge_requirements
 from railhil.judge.requirements.requirement import Requirement
 from railhil.panel import requirements as module
+from railhil.panel.__main__ import main
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import Receiver
 from railhil.panel.requirements import LiveRequirements, describe_outcomes
@@ -82,6 +84,22 @@ def test_frames_that_are_missing_leave_the_judgement_to_the_record(run: Recorded
     assert {row["verdict"] for told in (lost, late) for row in told["rows"]} == {"not judged"}
 
 
+def test_before_a_run_begins_nothing_is_decided(run: Recorded) -> None:
+    live = LiveRequirements(_REQUIREMENTS)
+    for scenario in (None, run.scenario):
+        live.show(scenario, None)
+        live.take([master_frame(F_DEVICE_STATUS, Role.CONTROLLER.value)] * 5000)
+        told = json.loads(live.look())["requirements"]
+        assert (told["said"], {row["verdict"] for row in told["rows"]}) == ("", {"open"})
+        live._due_s = 0.0
+    assert live.look() == ""
+    live.take(run.frames[:1000])
+    assert [row["verdict"] for row in rows(live.look())][:1] == ["kept"]
+    live._due_s = 0.0
+    live.take(run.frames[1100:1200], is_lacking=True)
+    assert "lost" in json.loads(live.look())["requirements"]["said"]
+
+
 def test_another_run_on_the_bus_is_judged_anew(run: Recorded) -> None:
     """Also after frames of the one before were lost; nodes are searched between two runs."""
     search = [master_frame(F_DEVICE_STATUS, Role.CONTROLLER.value)] * 2
@@ -115,3 +133,20 @@ def test_it_is_judged_twice_a_second_and_at_the_end_at_once(run: Recorded, monke
     assert len(parts) / 5 - 1 <= len(told) <= len(parts) / 5 + 3
     assert json.loads(told[-1])["requirements"]["so_far"] is False
     assert rows(told[-1]) == rows(next(one for one in live.read_past() if isinstance(one, str) and '"rows"' in one))
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["lvshun_tieshan", "--requirements", "hst1"], "HST-1"),
+        (["--requirements", "atoo"], "did you mean ato?"),
+    ],
+)
+def test_a_sentence_that_cannot_judge_the_named_run_is_refused_before_a_page_is_served(
+    words: list[str], found: str
+) -> None:
+    pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
+    with pytest.raises(InputError) as refused:
+        main([*words, "--port", "0"])
+    assert found in str(refused.value)
+    assert "\n" not in str(refused.value)
