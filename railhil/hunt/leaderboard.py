@@ -19,6 +19,7 @@ from rich.table import Table as Shown
 
 from railhil.common.errors import InputError, Words
 from railhil.hunt.defects import JOURNEY_FILE, LAW, RUNS, SEEDS, defects, journey, requirements
+from railhil.hunt.draws import with_draws
 from railhil.hunt.found import CASES
 from railhil.hunt.oracle import broken_rules, run_case
 from railhil.hunt.study import HUNT
@@ -77,9 +78,9 @@ def _check_code(file: Path, code_sha256: object) -> str:
     return _defect_of()[code_sha256]
 
 
-def _shows(faults: Sequence[str], seed: int, violated: Iterable[str]) -> bool:
+def _shows(faults: Sequence[str], seed: int, violated: Iterable[str], draws: Sequence[float] = ()) -> bool:
     """Whether a run without the defect keeps one of the violated requirements."""
-    base = RunSpec(str(JOURNEY_FILE), law=LAW, bus="local")
+    base = with_draws(RunSpec(str(JOURNEY_FILE), law=LAW, bus="local"), draws)
     found = run_case(base, requirements(), faults, seed)
     return found.is_valid and any(name not in found.violated for name in violated)
 
@@ -117,7 +118,7 @@ def _shown_by(cases: Path) -> Iterator[int]:
     """Numbers, from 1, of the runs of a hunt that show its defect."""
     for number, line in enumerate(cases.read_text("utf-8").splitlines()[:RUNS], 1):
         row: dict[str, Any] = json.loads(line)
-        if row["violated"] and _shows(row["faults"], row["seed"], row["violated"]):
+        if row["violated"] and _shows(row["faults"], row["seed"], row["violated"], row["draws"]):
             yield number
 
 
