@@ -6,15 +6,16 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Mapping
-from inspect import isfunction, ismodule
+from inspect import isfunction
 from types import ModuleType
 from typing import Any
 
 import railhil
 import railhil.testing
-from railhil import library, pytest_plugin
+from railhil import pytest_plugin
 from railhil.cli.commands import GROUPS
 from railhil.cli.completion import whole_parser
+from railhil.common.callable_package import CallablePackage
 from railhil.common.command_line import EXIT_CODES, OneLineParser
 from railhil.scenarios.reference import tables
 from railhil.scenarios.system import DEFAULT, names
@@ -120,9 +121,9 @@ def _list_api() -> Iterator[str]:
 
 
 def _defined(module: ModuleType, name: str) -> Any:
-    """What a public name stands for: packages that can be called are functions of the library."""
+    """What a public name stands for: a package that can be called is a function."""
     found = getattr(module, name)
-    return getattr(library, name) if ismodule(found) else found
+    return found.function if isinstance(found, CallablePackage) else found
 
 
 def _documented(found: Any) -> Iterator[str]:

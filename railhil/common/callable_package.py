@@ -19,6 +19,11 @@ class CallablePackage(ModuleType):
 
     _function: Callable[[], Callable[..., Any]]
 
+    @property
+    def function(self) -> Callable[..., Any]:
+        """The function for which the package stands."""
+        return self._function()
+
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         return self._function()(*args, **kwargs)
 
