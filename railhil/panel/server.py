@@ -309,7 +309,9 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         from railhil.panel.branches import Branches
 
         branches = Branches([namespace.follow])
-    identity, requirements = RunIdentity(named, namespace.controller), _live_requirements(named, namespace)
+    # Before the hashes of all shipped scenarios are computed.
+    requirements = _live_requirements(named, namespace)
+    identity = RunIdentity(named, namespace.controller)
     source = LiveRun(identity, receiver, operator, requirements, branches)
     token = secrets.token_urlsafe(16) if operator or branches else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port

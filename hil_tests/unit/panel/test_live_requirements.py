@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil_tests.support.panel import Recorded, ScriptedLink
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
@@ -25,6 +26,9 @@ from railhil.panel.__main__ import main
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import Receiver
 from railhil.panel.requirements import LiveRequirements, describe_outcomes
+from railhil.run.make import record_run
+from railhil.run.report import as_recorded
+from railhil.scenarios.run_spec import RunSpec
 
 _SENTENCES = (
     "never true_speed > 0.1 km/h",
@@ -67,6 +71,21 @@ def test_the_rows_are_those_of_the_record_however_the_frames_come(run: Recorded,
     assert told == expected
     assert [row["verdict"] for row in told["rows"]] == ["violated", "kept", "kept", "says nothing"]
     assert told["rows"][0]["margin"].endswith(" m/s")
+
+
+@pytest.mark.slow
+def test_faults_of_the_bus_and_of_its_clock_move_no_instant(tmp_path: Path) -> None:
+    faults = ("TIME_SYNC loss @1s for 1s", "TRN_SPEED loss @2s for 300ms", "NOTCH_CMD duplicate @3s for 500ms")
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML, encoding="utf-8")
+    required = tuple(one.as_json() for one in _REQUIREMENTS)
+    spec = RunSpec(str(path), bus="local", faults=faults, requirements=required, out=tmp_path / "run")
+    record = as_recorded(record_run(spec))
+    live = LiveRequirements(_REQUIREMENTS)
+    live.show(record.scenario, None)
+    live.take([frame for _, frame in record.frames()])
+    assert rows(live.describe()) == rows(describe_outcomes([("", record.score.requirements)]))
+    assert record.score.requirements[3].antecedent_met
 
 
 def test_a_violated_sentence_is_told_while_the_run_goes_on(run: Recorded) -> None:
