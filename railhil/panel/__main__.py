@@ -24,7 +24,7 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     try:
         try:
-            from railhil.panel.server import serve_panel
+            from railhil.panel.service import serve_panel
         except ImportError as error:
             if (error.name or "").partition(".")[0] != "websockets":
                 raise

@@ -20,7 +20,7 @@ from railhil.run.node_commands import gets_pipes
 
 pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
-from railhil.panel.server import serve_panel
+from railhil.panel.service import serve_panel
 
 FRAMES = [Frame(0x100 + number % 8, bytes([number & 0xFF] * (number % 9))) for number in range(1000)]
 LINES = [log_line(number * 10_000_000, frame).encode() for number, frame in enumerate(FRAMES)]
@@ -125,7 +125,7 @@ def test_a_run_in_lockstep_needs_no_hub(tmp_path: Path, options: dict[str, objec
 @pytest.mark.slow
 def test_a_panel_starts_without_python_can() -> None:
     """Its import loads every log format; the start of a panel falls into that of the run."""
-    code = "import sys, railhil.panel.command as c, railhil.panel.server; c.arguments().parse_args(['--follow', 'x'])"
+    code = "import sys, railhil.panel.command as c, railhil.panel.service; c.arguments().parse_args(['--follow', 'x'])"
     code += "; print([name for name in ('can', 'cantools', 'pandas') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
