@@ -42,6 +42,7 @@ RUNS: dict[str, list[Row]] = {
         ("yizhuang_stop", "ilc_stop", ("controller kill @5s",), ()),
         ("yizhuang_stop", "ilc_stop", ("sensor.speed off @5s for 2s",), ()),
         ("yizhuang_stop", "ilc_stop", ("actuator.brake off @20s",), ()),
+        ("yizhuang_stop", "ilc_stop", ("bus down @33.5s for 680ms",), ()),
     ],
     "hst1": [
         ("jinan_xuzhou_emergency", "pid", (), ()),
