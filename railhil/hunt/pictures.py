@@ -18,6 +18,8 @@ from railhil.report.over_time import RunColumns, columns_of, levels_chart
 from railhil.report.styles import Style
 
 _HEIGHT_PX, _NAME_PX = 120, 18
+#: Letters of the name of a fault beside its bar.
+_NAME_LETTERS = 20
 #: Dashes and widths of the runs: the case, the nearest one that passes, the one without faults.
 _RUNS = ((1.8, ()), (1.3, (7.0, 3.0)), (1.1, (2.0, 2.0)))
 #: Colours of the runs where a chart has a single value.
@@ -180,9 +182,14 @@ def _faults(one: Side) -> Iterator[Area]:
             yield Area((event.time_s, event.time_s + event.lasted_s), None, "fault", event.detail)
 
 
+def _shortened(text: str) -> str:
+    """A name that has room beside a chart; the whole text stands under the pointer."""
+    return text if len(text) <= _NAME_LETTERS else f"{text[: _NAME_LETTERS - 3]}..."
+
+
 def _fault_bars(one: Side, bounds: tuple[float, float]) -> Chart:
     events = [event for event in one.record.events if event.kind == FAULT]
-    names = {float(-place): f"{event.source} {event.cause}"[:26] for place, event in enumerate(events)}
+    names = {float(-place): _shortened(f"{event.source} {event.cause}") for place, event in enumerate(events)}
     bars = [
         Area((event.time_s, event.time_s + event.lasted_s), (-place - 0.32, -place + 0.32), "fault", event.detail)
         for place, event in enumerate(events)

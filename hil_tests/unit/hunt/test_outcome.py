@@ -60,8 +60,8 @@ def test_the_tightest_bound_that_held_is_a_sentence_that_the_nearest_case_keeps(
     assert (tight["id"], tight["was"], tight["is_confirmed"]) == ("BACK", "-1 km/h", True)
     (requirement,) = read_requirements(found.folder / "tight.toml")
     assert requirement.says == tight["says"] == f"never true_speed < {tight['bound']}"
-    limit_mps = float(tight["bound"].removesuffix(" m/s"))
-    assert limit_mps == pytest.approx(-1 / 3.6 + found.requirements["BACK"].margin, abs=1e-3)
+    limit_kmh = float(tight["bound"].removesuffix(" km/h"))
+    assert limit_kmh == pytest.approx(-1 + 3.6 * found.requirements["BACK"].margin, abs=1e-3)
 
 
 @pytest.mark.slow

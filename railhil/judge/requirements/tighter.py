@@ -12,6 +12,7 @@ from railhil.judge.requirements import syntax
 from railhil.judge.requirements.binding import Binder
 from railhil.judge.requirements.names import Names
 from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.units import given_unit
 
 #: Significant digits of a limit.
 _DIGITS = 5
@@ -94,11 +95,13 @@ def _with_limit(
     sign = _TURNED[condition.sign] if is_left else condition.sign
     sign = _OPPOSITE[sign] if isinstance(body, syntax.Never) else sign
     assert value.constant is not None
-    limit = float(value.constant * value.unit.factor / unit.factor)
+    # A limit is given in the unit that the sentence has, if it has one.
+    shown = given_unit(node.unit) if isinstance(node, syntax.Number) and node.unit else unit
+    limit, ratio = float(value.constant * value.unit.factor / shown.factor), float(unit.factor / shown.factor)
     step = (right if is_left else left).step
-    texts = list(_limits(limit, margin, step, is_upper=sign in ("<", "<=")))
+    texts = list(_limits(limit, margin * ratio, step * ratio, is_upper=sign in ("<", "<=")))
     was = requirement.says[node.column : node.after]
-    words = [f"{text} {unit.name}".rstrip() for text in texts]
+    words = [f"{text} {shown.name}".rstrip() for text in texts]
     tight, beyond = (_replaced(requirement, node, word) for word in words)
     if (float(texts[0]) >= limit) == (sign in ("<", "<=")):
         return None

@@ -24,10 +24,11 @@ def tightened(record: Record, says: str) -> Tighter | None:
 @pytest.mark.parametrize(
     ("says", "bound"),
     [
-        ("never measured_speed > 10 km/h", "2.0001 m/s"),
+        ("never measured_speed > 10 km/h", "7.2001 km/h"),
         ("always measured_speed <= 10 m/s", "2.0001 m/s"),
         ("always 10 m/s > measured_speed", "2.0001 m/s"),
         ("always measured_speed >= 0.5 m/s", "0.9999 m/s"),
+        ("always rate(measured_speed, 20 ms) <= 400 m/s2", "50.001 m/s2"),
         ("at end measured_speed < 5 m/s", "1.0001 m/s"),
         ("whenever notch_command > 0, at once measured_speed < 2 m/s + 3 m/s", "2.0001 m/s"),
         ("whenever measured_speed > 1.5 m/s, within 150 ms notch_command <= 0", "60 ms"),
