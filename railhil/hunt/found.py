@@ -18,6 +18,7 @@ from railhil.hunt.draws import with_draws
 from railhil.hunt.least import Least, ShrinkTask, shrink_case
 from railhil.hunt.oracle import Judged, judge_result, run_case
 from railhil.judge.record import checked_record
+from railhil.judge.requirements.requirement import as_toml
 from railhil.record.documents import CERTIFICATE
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import read_hash_list, write_hash_list
@@ -222,7 +223,9 @@ def _scenario_file(plan: Plan, place: Path, name: str, one: Least) -> str:
         *([f"draws = {[*one.draws]}"] if one.draws else []),
         f"fault = [{''.join(f'{chr(10)}    {_toml_text(text)},' for text in faults)}\n]",
     ]
-    return "\n".join(line.replace("\r", " ") for line in lines) + "\n"
+    # A rule of every run needs no sentence.
+    sentences = [requirement for requirement in plan.requirements if requirement.id == one.task.requirement]
+    return "\n".join(line.replace("\r", " ") for line in lines) + "\n" + as_toml(sentences)
 
 
 def _toml_text(text: str) -> str:

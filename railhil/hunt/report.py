@@ -12,7 +12,7 @@ from railhil.common.digits import count_of
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
 from railhil.hunt.pictures import Side, figures, side
 from railhil.hunt.plan import Plan
-from railhil.hunt.show import headline, nearest, saved_sentence, sentences_option, tight_sentence, verdict_line
+from railhil.hunt.show import headline, nearest, saved_sentence, tight_sentence, verdict_line
 from railhil.judge.record import checked_record
 from railhil.judge.requirements.drawn import DrawnSentence
 from railhil.judge.requirements.names import Names
@@ -71,7 +71,7 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
         "outcome": outcome,
         "saved": saved_sentence(one),
         "pictures": pictures,
-        "command": f"railhil run {file}{one['options']}{sentences_option(plan, one['id'])}",
+        "command": f"railhil run {file}{one['options']}",
     }
 
 

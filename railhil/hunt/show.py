@@ -46,7 +46,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
         if one["id"] in tight:
             yield f"    {tight_sentence(tight[one['id']])}"
         for least in (case for case in summary["found"] if case["id"] == one["id"]):
-            yield from _least(least, folder, sentences_option(plan, one["id"]))
+            yield from _least(least, folder)
     yield verdict_line(summary)
 
 
@@ -93,17 +93,7 @@ def nearest(one: Mapping[str, Any]) -> str:
     return "" if one.get("margin") is None else f"{one['margin']:.4g} {one['unit']}".rstrip()
 
 
-def sentences_option(plan: Plan, requirement: str) -> str:
-    """The options with which ``railhil run`` judges by the files of a requirement; none for a rule of every run."""
-    if requirement not in (one.id for one in plan.requirements):
-        return ""
-    here = Path.cwd()
-    paths = [Path(word) for word in plan.request.requirements]
-    near = [str(path.relative_to(here) if path.is_relative_to(here) else path) for path in paths]
-    return "".join(f" --requirements {shlex.quote(word)}" for word in near)
-
-
-def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str]:
+def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
     draws = [draws_sentence(one["draws"])] if one["draws"] else []
     for text in [*one["faults"], *draws] or ["(without any fault)"]:
         yield f"    {text}"
@@ -119,7 +109,7 @@ def _least(one: Mapping[str, Any], folder: Path, sentences: str) -> Iterator[str
         factors = ", ".join(f"x{factor:g}" for factor in one["longer_pass"])
         yield f"    not monotone: longer ones pass ({factors})"
     file = shlex.quote(str(folder / FOUND / f"{one['name']}.toml"))
-    yield f"    railhil run {file}{one['options']}{sentences}"
+    yield f"    railhil run {file}{one['options']}"
     repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
 

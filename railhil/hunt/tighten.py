@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from railhil.hunt.draws import with_draws
 from railhil.hunt.oracle import run_case
 from railhil.judge.requirements.names import Names
-from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.requirement import Requirement, as_toml
 from railhil.judge.requirements.sentence import KEPT, OPEN
 from railhil.judge.requirements.tighter import Tighter, tighter
 from railhil.record.hash_list import listed_file
@@ -134,15 +134,11 @@ def _confirmations(
 def _file(requirements: Sequence[Requirement]) -> str:
     """A file of requirements; of two files that give a name two meanings it has those of the first."""
     define: dict[str, str] = {}
-    tables = []
+    first, others = list[Requirement](), list[str]()
     for one in requirements:
         if any(define.get(name, text) != text for name, text in one.define):
-            tables.append(f"# {one.id}: a name of its [define] has another meaning above: {one.says}\n")
+            others.append(f"# {one.id}: a name of its [define] has another meaning above: {one.says}\n")
             continue
         define |= dict(one.define)
-        keys = {"id": one.id, "says": one.says, "title": one.title, "source": "held in all runs of a hunt"}
-        lines = [f"{key} = {json.dumps(text)}" for key, text in keys.items() if text]
-        when = ['when = { faults = "none" }'] if one.when == "none" else []
-        tables.append("\n".join(["[[requirement]]", *lines, *when]) + "\n")
-    names = "".join(f"{name} = {json.dumps(text)}\n" for name, text in define.items())
-    return "\n".join([*([f"[define]\n{names}"] if names else []), *tables])
+        first.append(replace(one, note="", source="held in all runs of a hunt"))
+    return as_toml(first) + "".join(others)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from railhil.common.user_files import write_synced
+from railhil.judge.requirements.requirement import as_toml
 from railhil.judge.result import Result
 from railhil.probability.plan import LEAST_RUNS, Plan
 from railhil.probability.sampling import Floats, Points
@@ -133,10 +134,5 @@ def _file(plan: Plan, folder: Path, found: Least) -> str:
         f"extends = {json.dumps(base)}",
         *("draws = [", *named, "]"),
         f"noise = {[list(one) for one in found.noise]}",
-        "[[requirement]]",
-        f"id = {json.dumps(plan.requirement.id)}",
-        f"says = {json.dumps(plan.requirement.says)}",
-        *(["[define]"] if plan.requirement.define else []),
-        *(f"{name} = {json.dumps(text)}" for name, text in plan.requirement.define),
     ]
-    return "\n".join(line.replace("\r", " ") for line in lines) + "\n"
+    return "\n".join(line.replace("\r", " ") for line in lines) + "\n" + as_toml([plan.requirement])

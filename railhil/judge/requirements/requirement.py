@@ -19,7 +19,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.schema import DefineTable, RequirementRows, Table
 from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
-from railhil.scenarios.tomlfile import parse_toml
+from railhil.scenarios.tomlfile import parse_toml, toml_table
 from railhil.scenarios.validation import validate
 
 
@@ -72,6 +72,18 @@ class Requirement:
             "id": self.id, "says": self.says, "title": self.title, "when": {"faults": self.when}, "note": self.note,
             "source": self.source, "define": dict(self.define), "file": self.file,
         }  # fmt: skip
+
+
+def as_toml(requirements: Sequence[Requirement]) -> str:
+    """Requirements as the tables of a file; their names of ``define`` have one meaning each."""
+    define = {name: text for one in requirements for name, text in one.define}
+    tables = [toml_table("define", define)] if define else []
+    for one in requirements:
+        texts = {"id": one.id, "says": one.says, "title": one.title, "note": one.note, "source": one.source}
+        given = {key: text for key, text in texts.items() if text}
+        when = {} if one.when == "any" else {"when.faults": one.when}
+        tables.append(toml_table("[requirement]", given | when))
+    return "".join(tables)
 
 
 def _refused(file: str | Path, key: str, error: SentenceError) -> InputError:
