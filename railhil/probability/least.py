@@ -15,7 +15,7 @@ import numpy as np
 from railhil.common.user_files import write_synced
 from railhil.judge.requirements.requirement import as_toml
 from railhil.judge.result import Result
-from railhil.probability.plan import LEAST_RUNS, Plan
+from railhil.probability.plan import LEAST, LEAST_RUNS, Plan
 from railhil.probability.sampling import Floats, Points
 from railhil.record.hash_list import write_hash_list
 from railhil.run.local import unrecorded_run
@@ -25,7 +25,6 @@ from railhil.study.descent import descend
 from railhil.study.execute import Outcome
 from railhil.study.parts import SUMMARY
 
-LEAST = "least.toml"
 #: Deviation of its first generation, in standard deviations of a draw.
 _STEP = 0.3
 #: A run that keeps the requirement counts as further away than any that violates it.
@@ -110,7 +109,8 @@ def with_least(plan: Plan, made: Outcome, rows: Sequence[Mapping[str, Any]]) -> 
             "runs": found.runs,
             "sha256": result.frames_sha256,
             "margins": plan.bench.margins_of(result),
-            "command": shlex.join(["railhil", "run", str(path), *set_words(plan.request.settings), *law.words]),
+            # Without the folder: the same bytes in any.
+            "options": shlex.join([*set_words(plan.request.settings), *law.words]),
         }
     summary = {**made.summary, "least": document}
     summary["runs"] += 0 if found is None else found.runs

@@ -36,6 +36,8 @@ RUNS_MAX = 100_000_000
 #: Runs of a part of the brute force.
 BRUTE_RUNS = 5_000
 METHODS = AUTO, SUBSET, BRUTE = "auto", "subset", "brute"
+#: Name of the least disturbance in the folder.
+LEAST = "least.toml"
 #: Runs of the descent to the least disturbance (chosen: 15 draws need about 1000).
 LEAST_RUNS = 3000
 #: A pilot that is stuck is made again with other points, so many times in all.

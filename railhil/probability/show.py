@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import count_of
+from railhil.probability.plan import LEAST
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
@@ -41,8 +43,8 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     yield from _causes(summary["causes"])
     least = summary["least"]
     if least is not None:
-        yield f"the least disturbance: {least['size']:.2f} standard deviations of the draws ({folder / 'least.toml'})"
-        yield f"    {least['command']}"
+        yield f"the least disturbance: {least['size']:.2f} standard deviations of the draws ({folder / LEAST})"
+        yield f"    railhil run {shlex.quote(str(folder / LEAST))} {least['options']}"
         yield f"    sha256 {least['sha256'][:12]}..."
     yield _verdict(plan, summary)
 
