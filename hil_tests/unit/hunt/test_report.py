@@ -95,6 +95,16 @@ def test_a_case_whose_run_was_not_recorded_has_no_figure(hunted: tuple[Plan, dic
     assert 'class="chart"' not in text
 
 
+def test_a_rule_of_every_run_has_no_sentence_and_the_whole_run_as_its_figure(
+    hunted: tuple[Plan, dict[str, Any], Path],
+) -> None:
+    plan, summary, folder = hunted
+    text = page(plan, {**summary, "found": [{**summary["found"][0], "id": "INV-4", "says": "left too early"}]}, folder)
+    assert '<p class="says">left too early</p>' in text
+    assert text.count('<figure id="SPEED-1-whole">') == 1
+    assert "What decides" not in text
+
+
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("width_px", [1200, 560])
 def test_page_as_shown(hunted: tuple[Plan, dict[str, Any], Path], tmp_path: Path, width_px: int) -> None:
