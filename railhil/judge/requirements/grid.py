@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.codes import Event
+from railhil.bus.lifesign import Life
 from railhil.bus.schedule import Schedule
 from railhil.judge.events.summary import fault_events
 from railhil.judge.events.telegrams import judged, milestones
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from railhil.judge.record import Record
 
 Ticks: TypeAlias = npt.NDArray[np.int64]
+#: Causes for which a telegram is refused whatever its content.
+_STALE = (Life.DUPLICATE.value, Life.OUT_OF_ORDER.value)
 #: Silence of a port, in its periods, after which its good telegrams are counted anew: one lost telegram is no end of a
 #: row, as in the watches of the bench (chosen).
 ROW_ENDS_PERIODS = 2
@@ -41,7 +44,7 @@ class Grid:
         #: Values that others keep here, by whatever tells them apart.
         self.kept: dict[object, FloatArray] = {}
         self._places: dict[str, Ticks] = {}
-        self._received: dict[str, tuple[Ticks, Ticks, Ticks]] = {}
+        self._received: dict[str, tuple[Ticks, Ticks, Ticks, Ticks]] = {}
 
     @cached_property
     def ticks_ns(self) -> Ticks:
@@ -87,9 +90,9 @@ class Grid:
             self.kept[port, signal] = found
         return found
 
-    def _reception(self, port: str) -> tuple[Ticks, Ticks, Ticks]:
-        """Numbers of the accepted telegrams of a port in the record, their instants in ns, and those of the refused
-        ones, each in order.
+    def _reception(self, port: str) -> tuple[Ticks, Ticks, Ticks, Ticks]:
+        """Numbers of the accepted telegrams of a port in the record, their instants in ns, those of the refused ones,
+        and those of the refused ones with wrong content, each in order.
 
         A telegram is accepted unless the traffic store or its receiver refuses it
         (:func:`railhil.judge.events.telegrams.judged`, which the invariants use, too).
@@ -97,18 +100,20 @@ class Grid:
         found = self._received.get(port)
         if found is None:
             times_ns = np.array(self.trace.times_ns(port), dtype=np.int64)
-            taken = np.ones(len(times_ns), dtype=bool)
+            taken, wrong = np.ones(len(times_ns), dtype=bool), np.zeros(len(times_ns), dtype=bool)
             for item in self.record.judging.received(self.scenario):
                 if item.port == port:
-                    taken[[number for number, _ in judged(self.trace, item)]] = False
+                    causes = dict(judged(self.trace, item))
+                    taken[list(causes)] = False
+                    wrong[[number for number, cause in causes.items() if cause not in _STALE]] = True
             unread = [time_ns for time_ns, source, _ in self.trace.refused if source == port]
             refused = np.sort(np.concatenate([times_ns[~taken], np.array(unread, dtype=np.int64)]))
-            found = self._received[port] = np.flatnonzero(taken), times_ns[taken], refused
+            found = self._received[port] = np.flatnonzero(taken), times_ns[taken], refused, times_ns[wrong]
         return found
 
     def _newest(self, port: str) -> tuple[Ticks, Ticks]:
         """Number of accepted telegrams up to each tick, and the instant of the newest one in ns (0: none yet)."""
-        _, accepted_ns, _ = self._reception(port)
+        accepted_ns = self._reception(port)[1]
         number = np.searchsorted(accepted_ns, self.ticks_ns, side="right")
         return number, np.concatenate([[0], accepted_ns])[number]
 
@@ -117,25 +122,26 @@ class Grid:
         return np.asarray((self.ticks_ns - self._newest(port)[1]) / 1e6, dtype=np.float64)
 
     def good(self, port: str) -> FloatArray:
-        """Number of telegrams of a port that were accepted in a row: after the last refused one, and without a silence
-        of more than :data:`ROW_ENDS_PERIODS` periods."""
-        _, accepted_ns, refused_ns = self._reception(port)
+        """Number of telegrams of a port that were accepted in a row: after the last one with wrong content, and without
+        a silence of more than :data:`ROW_ENDS_PERIODS` periods. As for the watches, a telegram that comes twice or too
+        late, or that cannot be read, tells nothing: it ends no row."""
+        _, accepted_ns, _, wrong_ns = self._reception(port)
         number, newest_ns = self._newest(port)
         silent_ns = np.iinfo(np.int64).max
         if port in self.schedule.periods_ns:
             silent_ns = ROW_ENDS_PERIODS * self.schedule.ticks(port) * self.tick_ns
-        # A row begins with the first telegram after a silence or after a refused telegram.
+        # A row begins with the first telegram after a silence or after a wrong telegram.
         begins = np.diff(accepted_ns, prepend=np.int64(0)) > silent_ns
-        before = np.searchsorted(refused_ns, accepted_ns, side="left")
+        before = np.searchsorted(wrong_ns, accepted_ns, side="left")
         begins |= np.diff(before, prepend=np.int64(0)) > 0
         begun = np.concatenate([[0], np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))])[number]
-        ended = np.searchsorted(refused_ns, self.ticks_ns, side="right") > np.concatenate([[0], before])[number]
+        ended = np.searchsorted(wrong_ns, self.ticks_ns, side="right") > np.concatenate([[0], before])[number]
         ended |= self.ticks_ns - newest_ns > silent_ns
         return np.where(ended, 0.0, np.asarray(number - begun, dtype=np.float64))
 
     def bad(self, port: str) -> FloatArray:
         """Number of telegrams of a port that were refused after its last accepted one."""
-        *_, refused_ns = self._reception(port)
+        refused_ns = self._reception(port)[2]
         number, newest_ns = self._newest(port)
         before = np.searchsorted(refused_ns, newest_ns, side="right") * (number > 0)
         return np.asarray(np.searchsorted(refused_ns, self.ticks_ns, side="right") - before, dtype=np.float64)

@@ -25,6 +25,8 @@ from railhil.wire.ato import NotchCmd, TrnSpeed, TrnWatch
 TICK_NS = 10_000_000
 #: A speed of a record that stands for a telegram with a wrong check variable.
 REFUSED = -1
+#: A telegram with the life sign of the tick before.
+REPEATED = -2
 
 
 @cache
@@ -49,7 +51,8 @@ def record_of(
 ) -> Record:
     """A record.
 
-    :param speeds_mmps: of TRN_SPEED in each tick; None: no telegram, :data:`REFUSED`: one that is refused.
+    :param speeds_mmps: of TRN_SPEED in each tick; None: no telegram, :data:`REFUSED`: one that is refused for its
+        content, :data:`REPEATED`: one that comes again.
     :param commands: notch (1/256) and mode of NOTCH_CMD in every other tick; None: no telegram.
     :param levels: of the train's watch, by the tick at which TRN_WATCH is sent.
     :param events: instants in s and milestones.
@@ -60,7 +63,8 @@ def record_of(
     for tick, speed in enumerate(speeds_mmps):
         if speed is not None:
             sent = TrnSpeed(max(speed, 0) * 10, life=tick & 0xF)
-            timed.append((tick, sent if speed >= 0 else TrnSpeed(0, check=0, life=tick & 0xF)))
+            refused = {REFUSED: TrnSpeed(0, check=0, life=tick & 0xF), REPEATED: TrnSpeed(0, life=(tick - 1) & 0xF)}
+            timed.append((tick, refused.get(speed, sent)))
     for index, command in enumerate(commands):
         if command is not None:
             timed.append((2 * index, NotchCmd(notch_256th=command[0], mode=command[1], life=index & 0xF)))

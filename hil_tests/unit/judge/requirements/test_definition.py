@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from hil_tests.unit.judge.requirements.records import REFUSED, judged, names, record_of
+from hil_tests.unit.judge.requirements.records import REFUSED, REPEATED, judged, names, record_of
 from railhil.judge.record import Record
 from railhil.judge.requirements import syntax
 from railhil.judge.requirements.parser import parse_sentence
@@ -77,8 +77,9 @@ class Drawn:
     def record(self) -> tuple[Record, Record]:
         """A record, and the same with the telegrams of each tick in the opposite order."""
         ticks = int(self._draws.integers(3, 45))
-        drawn = self._draws.choice([0, 1, 2, 3, 4, 5, REFUSED, None], ticks, p=[0.1, *[0.12] * 5, 0.1, 0.2])
-        speeds = [None if one is None else one if one == REFUSED else one * 1000 for one in drawn.tolist()]
+        values = [0, 1, 2, 3, 4, 5, REFUSED, REPEATED, None]
+        drawn = self._draws.choice(values, ticks, p=[0.1, *[0.1] * 5, 0.1, 0.1, 0.2])
+        speeds = [None if one is None else one if one < 0 else one * 1000 for one in drawn.tolist()]
         modes = [int(mode) for mode in CtlMode]
         commands = [
             None if self._draws.random() < 0.2
@@ -113,6 +114,8 @@ class Defined:
                 strict=True,
             )
         )
+        #: Of each TRN_SPEED: fresh, with a wrong check variable.
+        self._wrong: list[bool] = []
         self._accepted = self._judge()
 
     def _judge(self) -> list[tuple[int, bool]]:
@@ -122,6 +125,7 @@ class Defined:
             fresh = last < 0 or 1 <= (life - last) % 16 <= 7
             last = life if fresh else last
             found.append((at_ms, fresh and check == 1))
+            self._wrong.append(fresh and check != 1)
         return found
 
     def value(self, node: syntax.Value, tick: int) -> float | None:
@@ -155,11 +159,11 @@ class Defined:
             )
         row = 0
         last_ms = 0
-        for at_ms, good in self._accepted:
+        for (at_ms, good), is_wrong in zip(self._accepted, self._wrong, strict=True):
             if at_ms > now:
                 break
             if not good:
-                row = 0
+                row = 0 if is_wrong else row
                 continue
             row = 1 if at_ms - last_ms > 2 * TICK_MS else row + 1
             last_ms = at_ms

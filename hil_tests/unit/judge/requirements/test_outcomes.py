@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import TEST_DATA
-from hil_tests.unit.judge.requirements.records import REFUSED, judged, record_of
+from hil_tests.unit.judge.requirements.records import REFUSED, REPEATED, judged, record_of
 from railhil.bench import local_run
 from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
@@ -207,7 +207,7 @@ def test_a_score_of_the_whole_run_is_known_at_its_last_stop_only() -> None:
     assert (found.verdict, found.margin, found.instant_s) == ("kept", 1.0, 0.2)
 
 
-def test_telegrams_in_a_row_begin_anew_after_a_refused_one_and_after_a_silence() -> None:
+def test_telegrams_in_a_row_begin_anew_after_a_wrong_one_and_after_a_silence() -> None:
     speeds = lost(0, 0)
     speeds[8] = REFUSED
     speeds[20] = None
@@ -220,6 +220,16 @@ def test_telegrams_in_a_row_begin_anew_after_a_refused_one_and_after_a_silence()
     silent = record_of(lost(10, 13))
     assert judged(silent, "from 120 ms to 120 ms, always good(TRN_SPEED) = 0").verdict == "kept"
     assert judged(silent, "from 130 ms to 130 ms, always good(TRN_SPEED) = 1").verdict == "kept"
+
+
+def test_a_telegram_that_comes_again_counts_for_nothing_and_ends_no_row() -> None:
+    """As in the watches: it carries no new information."""
+    speeds = lost(0, 0)
+    speeds[8] = REPEATED
+    record = record_of(speeds)
+    row = "from {0} ms to {0} ms, always good(TRN_SPEED) = {1} and bad(TRN_SPEED) = {2}"
+    for instant_ms, good, bad in ((70, 8, 0), (80, 8, 1), (90, 9, 0), (100, 10, 0)):
+        assert judged(record, row.format(instant_ms, good, bad)).verdict == "kept", instant_ms
 
 
 def test_a_telegram_that_its_receiver_refuses_has_no_value() -> None:
