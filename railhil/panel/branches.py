@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import shutil
 import subprocess
 import sys
@@ -13,12 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError
+from railhil.common.python_process import WITH_PARENT
 from railhil.common.user_files import RecordFailed
 from railhil.record.documents import read_certificate
 from railhil.record.hash_list import REPORT
 from railhil.record.run_folder import run_folder
 
 _END_S = 5.0
+#: No run lasts so long.
+_AT_MAX_S = 1e9
 
 
 class Branches:
@@ -54,10 +56,12 @@ class Branches:
         except (InputError, RecordFailed) as error:
             return str(error)
         words = ["branch", str(folder), f"@{at_s:.3f}s", f"--fault={text}", f"--out={place}"]
+        # Also a panel that is killed leaves no branch behind, where the system has a command for this.
+        with_parent = WITH_PARENT if shutil.which(WITH_PARENT[0]) else ()
         # Its errors are read when it has ended.
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "railhil.cli", *words],
+            [*with_parent, sys.executable, "-P", "-m", "railhil.cli", *words],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._errors,
         )  # fmt: skip
         self._is_told = False
@@ -68,9 +72,10 @@ class Branches:
         run, at_s, text = asked.get("run"), asked.get("at_s"), asked.get("fault")
         if not isinstance(run, int) or isinstance(run, bool) or not 0 <= run < len(self._folders):
             return None
-        if not isinstance(at_s, int | float) or not math.isfinite(at_s) or at_s < 0:
+        if not isinstance(at_s, int | float) or isinstance(at_s, bool) or not 0 <= at_s < _AT_MAX_S:
             return None
-        if not isinstance(text, str) or not text.strip():
+        # No command line has a NUL or half a surrogate.
+        if not isinstance(text, str) or not text.strip() or not text.isprintable():
             return None
         return self._folders[run], float(at_s), text.strip()
 

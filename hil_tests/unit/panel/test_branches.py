@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from hil_tests.support.cli import wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.panel.branches import Branches
 from railhil.panel.recorded import RecordedRuns
@@ -40,6 +45,16 @@ def ended(branches: Branches) -> dict[str, Any]:
                 return told
         time.sleep(0.05)
     raise TimeoutError
+
+
+def branch_process(recorded: Path) -> Path | None:
+    """The process that makes a branch of this run; None: there is none."""
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        # Processes come and go.
+        with contextlib.suppress(OSError):
+            if b"railhil.cli\0branch\0" + bytes(recorded) in path.read_bytes():
+                return path
+    return None
 
 
 @pytest.mark.long
@@ -90,12 +105,17 @@ def test_what_cannot_be_is_a_line(
 @pytest.mark.parametrize(
     "asked",
     [{"run": 1}, {"run": True}, {"run": -1}, {"at_s": None}, {"at_s": -1.0}, {"at_s": float("nan")}, {"at_s": "1"},
-     {"fault": " "}, {"fault": 7}, {"fault": None}],
+     {"at_s": True}, {"at_s": 10**400}, {"fault": " "}, {"fault": 7}, {"fault": None}, {"fault": "a\0b"},
+     {"fault": "\ud800"}],
 )  # fmt: skip
-def test_a_page_that_asks_for_nonsense_begins_nothing(recorded: Path, asked: dict[str, Any]) -> None:
+def test_a_page_that_asks_for_nonsense_begins_nothing(
+    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: dict[str, Any]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     branches = Branches([recorded])
     assert branches.begin({**_LOSS, **asked}).startswith("found no branch, allowed")
     assert branches.look() == []
+    assert not (tmp_path / "runs").exists()
 
 
 def test_a_run_that_goes_on_has_no_branches_yet(tmp_path: Path) -> None:
@@ -109,3 +129,18 @@ def test_the_end_of_the_panel_ends_its_branch(recorded: Path, tmp_path: Path, mo
     branches.close()
     assert list((tmp_path / "runs").iterdir()) == []
     branches.close()
+
+
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="no setpriv here: a branch ends by itself")
+def test_a_panel_that_is_killed_leaves_no_branch_behind(recorded: Path, tmp_path: Path) -> None:
+    panel = (
+        "import json, sys, time; from railhil.panel.branches import Branches; made = Branches([sys.argv[1]]); "
+        "assert not made.begin(json.loads(sys.argv[2])); time.sleep(100)"
+    )
+    with subprocess.Popen([sys.executable, "-c", panel, str(recorded), json.dumps(_LOSS)], cwd=tmp_path) as process:
+        try:
+            wait_for(lambda: branch_process(recorded))
+        finally:
+            process.kill()
+    wait_for(lambda: branch_process(recorded) is None)
+    assert [path.name for path in (tmp_path / "runs").glob("*/certificate.json")] == []
