@@ -9,7 +9,6 @@ from railhil.campaign.plan import Plan, Request
 from railhil.common.command_line import OneLineParser, accept_former_name
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
-from railhil.scenarios.given import given_controllers
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
 from railhil.study.engines import ENGINES
@@ -78,7 +77,7 @@ COMMAND: Command[Plan] = Command(
     check=_check_engine,
     engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: how_made(plan.scenario, [entry.law for entry in plan.entries]),
-    code=lambda namespace: given_controllers(namespace.laws or ()),
+    code="laws",
 )
 
 

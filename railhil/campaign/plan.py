@@ -17,7 +17,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.controller import make_controller_node
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
-from railhil.scenarios.given import GivenController, RecordedController, is_law_name
+from railhil.scenarios.given import GivenController, RecordedController, identity_of, is_law_name, named_controller
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -193,23 +193,15 @@ class Plan:
                     "law_sha256": entry.law_sha256,
                     "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
                     "training_seeds": self.training(entry),
-                    **({} if entry.law.given is None else _identity_of(entry.law.given)),
+                    **({} if entry.law.given is None else identity_of(entry.law.given)),
                 }
                 for entry in self.entries
             ],
         }
 
 
-def _identity_of(given: GivenController) -> dict[str, Any]:
-    """Form and files of a controller of a user, the latter without their places."""
-    return {"form": given.form, "files": {str(n): sha256 for n, sha256 in enumerate(given.hashes().values())}}
-
-
 def _given_entry(request: Request, text: str, code: Code) -> Entry:
-    if text not in code:
-        allowed = "--laws on the command line: a controller is code, which no file can load"
-        raise InputError("campaign", "laws", text, allowed)
-    given = code[text]
+    given = named_controller(text, code, "campaign", "--laws")
     if given.arithmetic != request.arithmetic:
         raise InputError("command line", "--arithmetic", request.arithmetic, f"{given.arithmetic}, that of {text}")
     return Entry(LawSpec.of_given(given, request.indexing), given.digest)

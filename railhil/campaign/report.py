@@ -18,7 +18,7 @@ from railhil.common.errors import InputError
 from railhil.judge.judging import Judging, Noted
 from railhil.record.hash_list import REPORT, check_hash_list, listed_file
 from railhil.report.templates import script, styles_text, template
-from railhil.scenarios.given import KEY, RecordedController, is_law_name
+from railhil.scenarios.given import RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
 from railhil.study.manifest import Manifest, read_manifest
@@ -94,13 +94,11 @@ def _worst(label: str, run: Mapping[str, Any], folder: Path, judging: Judging) -
 def _recorded(begun: Manifest, file: Path) -> dict[str, RecordedController]:
     """The controllers of users: named as in the campaign, and not loaded."""
     texts = [text for text in begun.request.laws if not is_law_name(text)]
-    found = {}
-    for text, law in zip(texts, (law for law in begun.identity["laws"] if "form" in law), strict=True):
-        recorded = {"form": law["form"], "text": text, "label": law["label"], "sha256": law["law_sha256"]}
-        recorded["files"] = law["files"]
-        how = {"controller": law["law"], "arithmetic": begun.identity["arithmetic"]}
-        found[text] = RecordedController({KEY: recorded, **how}, file)
-    return found
+    given = (law for law in begun.identity["laws"] if "form" in law)
+    return {
+        text: RecordedController.of_identity(text, law, begun.identity["arithmetic"], file)
+        for text, law in zip(texts, given, strict=True)
+    }
 
 
 def report_of(folder: Path, out: Path) -> None:

@@ -25,7 +25,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
 from railhil.study.manifest import machine_and_list
 from railhil.study.perturbed_runs import run_seeds
-from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
+from railhil.study.plan import Study, batch_sha256, bench_sha256, controller_sha256
 from railhil.study.table import row
 
 _LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
@@ -40,9 +40,7 @@ class ChunkWork:
     training: tuple[int, ...]
 
     def code(self) -> tuple[str, ...]:
-        law = self.chunk.entry.law
-        own = law_sha256(law.controller, self.scenario.system) if law.given is None else law.given.digest
-        return bench_sha256(), batch_sha256(), own
+        return bench_sha256(), batch_sha256(), controller_sha256(self.chunk.entry.law, self.scenario.system)
 
     def rows(self) -> pa.Table:
         entry = self.chunk.entry

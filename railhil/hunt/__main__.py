@@ -11,7 +11,7 @@ from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.hunt.cases import STRATEGIES
 from railhil.hunt.plan import DESCENT, RUNS_MAX, Plan, Request
-from railhil.scenarios.options import add_option, add_options
+from railhil.scenarios.options import OR_YOURS, add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number
 from railhil.study.engines import ENGINES
 
@@ -49,7 +49,7 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--requirements", default=None)
     note = " requirements the object of the search: ids, or their beginnings"
     add_option(parser, "--only", note, metavar="INV-4,...", type=_names)
-    add_option(parser, "--controller")
+    add_option(parser, "--controller", OR_YOURS)
     add_option(parser, "--arithmetic")
     add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")
     parser.add_argument(
@@ -101,6 +101,7 @@ COMMAND: Command[Plan] = Command(
     check=_check,
     engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: ("", None),
+    code="controller",
     time_s=lambda namespace: namespace.time,
 )
 

@@ -23,6 +23,7 @@ from railhil.record.documents import CERTIFICATE
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import read_hash_list, write_hash_list
 from railhil.run.no_return import NoReturn, find_no_return
+from railhil.scenarios.given import NamedCode
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import set_words
 
@@ -63,7 +64,8 @@ def _keep_run(run: _KeptRun) -> tuple[Judged, NoReturn | None]:
         return judged.is_valid and run.requirement not in judged.violated
 
     try:
-        return found, find_no_return(checked_record(str(run.folder), None), saves)
+        code = NamedCode(controller=run.spec.law.given)
+        return found, find_no_return(checked_record(str(run.folder), None), saves, code)
     except InputError:
         # Without a fault that began there is none.
         return found, None
@@ -203,6 +205,7 @@ def _options(plan: Plan, one: Least) -> str:
     """The options with which ``railhil run`` repeats a file."""
     law = plan.base.law
     words = ["--controller", law.controller, "--arithmetic", law.arithmetic]
+    words = words if law.given is None else law.given.words
     words += ["--seed", str(one.shrunk.seed)] if one.shrunk.seed else []
     return "".join(f" {shlex.quote(word)}" for word in (*words, *set_words(plan.request.settings)))
 

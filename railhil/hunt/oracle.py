@@ -1,9 +1,10 @@
 """One case as a run through the nodes in this process, and what it violates.
 
 What is judged: the requirements of the hunt; the rules that hold in every run (failures of the score that begin with
-``invariant``), each as the requirement ``INV-n``; and a defect of the bench itself (a run that ends with an error), as
-``BENCH``. A run that is INVALID is not judged, except for one reason: some of its faults changed nothing, and others
-acted. Such a run says what the others do.
+``invariant``), each as the requirement ``INV-n``; a defect of the bench itself (a run that ends with an error), as
+``BENCH``; and a controller of the user that fails, as ``CONTROLLER``. A run that is INVALID is
+not judged, except for one reason: some of its faults changed nothing, and others acted. Such a run says what the others
+do.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.judge.events.event import LEVEL, REFUSED, RecordedEvent
 from railhil.judge.reactions.evaluate import RULE, VERDICTS
 from railhil.judge.requirements.outcome import Outcome, judge_requirements
@@ -25,8 +26,8 @@ from railhil.judge.result import Result
 from railhil.run.make import NeverBegan, run_into
 from railhil.scenarios.run_spec import RunSpec
 
-#: Id of a defect of the bench.
-BENCH = "BENCH"
+#: Ids of a defect of the bench, and of a controller of the user that fails: it raises, or gives no answer.
+BENCH, CONTROLLER = "BENCH", "CONTROLLER"
 #: Beginning of the ids of the rules of every run.
 RULE_ID = "INV"
 _RULE = re.compile(rf"{RULE} (\w+): (.*)", re.DOTALL)
@@ -110,6 +111,8 @@ def judge_result(result: Result, requirements: Sequence[Requirement] = ()) -> Ju
     found = Judged(verdict, cells=cells, frames_sha256=result.frames_sha256)
     if result.exit_code == TOOL_ERROR:
         return replace(found, violated={BENCH: result.line})
+    if result.exit_code == USAGE and result.spec.law.given is not None:
+        return replace(found, violated={CONTROLLER: result.line})
     if not found.is_valid:
         return replace(found, detail=result.line)
     outcomes = judge_requirements(result.as_record(), requirements)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,11 +20,12 @@ from railhil.common.library_call import (
     TEXTS,
     Kind,
     are_texts,
+    is_path,
     library_call,
 )
 from railhil.hunt.found import FOUND
 from railhil.hunt.show import summary_lines
-from railhil.run.spec import Files, Settings, Texts, settings_of, texts_of
+from railhil.run.spec import Files, Settings, Texts, named_laws, settings_of, texts_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.system import names as system_names
 
@@ -121,6 +122,10 @@ class HuntOutcome:
         return html_cell(*map(html_paragraph, (*summary_lines(self.summary), *map(str, self.cases))))
 
 
+def _is_named(controller: Any) -> bool:
+    return is_path(controller) or callable(controller)
+
+
 def _names(requirements: Files) -> tuple[str, ...]:
     """Files of requirements by their whole paths, and names of systems."""
     known = system_names()
@@ -136,7 +141,9 @@ def _names(requirements: Files) -> tuple[str, ...]:
         "scenario": PATH,
         "requirements": FILES,
         "only": TEXTS,
-        "controller": Kind("the name of a law", lambda value: value is None or isinstance(value, str)),
+        "controller": Kind(
+            "the name of a law, FILE:NAME, or a function or class", lambda value: value is None or _is_named(value)
+        ),
         "settings": Kind(
             "a mapping, a text KEY=VALUE or a list of such texts",
             lambda value: isinstance(value, Mapping) or are_texts(value),
@@ -153,7 +160,7 @@ def hunt(
     *,
     requirements: Files = (),
     only: Texts = (),
-    controller: str | None = None,
+    controller: str | Path | Callable[..., Any] | None = None,
     arithmetic: str | None = None,
     settings: Settings = (),
     runs: int = 2000,
@@ -170,7 +177,8 @@ def hunt(
     :param requirements: files of sentences, or names of systems that ship one; the rules of every run are always
         searched for.
     :param only: ids of requirements, or their beginnings; empty: all.
-    :param controller: name of a law; None: the usual one of the scenario's system.
+    :param controller: name of a law, text of a controller of your own such as ``mine.py:step``, or a function or class
+        at the top of a file; None: the usual one of the scenario's system.
     :param arithmetic: of the law; None: the usual one.
     :param settings: keys of the scenario with other values: a mapping, or texts ``KEY=VALUE``.
     :param runs: of the search.
@@ -189,12 +197,13 @@ def hunt(
     from railhil.study.call import make_study
     from railhil.study.manifest import checked_request
 
+    (text,), code = (("",), {}) if controller is None else named_laws(controller, "railhil.hunt", "controller")
     request = Request(
         scenario=stable_name(str(scenario)),
         settings=settings_of(settings),
         requirements=_names(requirements),
         only=texts_of(only),
-        controller=controller or "",
+        controller=text,
         arithmetic=arithmetic or "",
         runs=runs,
         seed=seed,
@@ -202,7 +211,7 @@ def hunt(
         no_shrink=not shrink,
         tighten=tighten,
     )
-    plan = make_plan(checked_request(HUNT, request, Path("railhil.hunt")))
+    plan = make_plan(checked_request(HUNT, request, Path("railhil.hunt")), code)
     made = make_study(HUNT, plan, jobs, out)
     HUNT.report(plan, made)
     return HuntOutcome(made.folder, made.summary)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any
@@ -15,7 +15,7 @@ from railhil.controller_node.controller import make_controller_node
 from railhil.hunt.bounds import DRAWS, Bounds, read_bounds
 from railhil.hunt.cases import STRATEGIES, HuntCase, Space, make_cases
 from railhil.hunt.draws import DESCENT_RUNS, drawn_numbers
-from railhil.hunt.oracle import BENCH, RULE_ID
+from railhil.hunt.oracle import BENCH, CONTROLLER, RULE_ID
 from railhil.judge.requirements.requirement import (
     Requirement,
     check_requirements,
@@ -23,13 +23,23 @@ from railhil.judge.requirements.requirement import (
     scenario_requirements,
 )
 from railhil.scenarios.fault_list import list_disturbed_signals
+from railhil.scenarios.given import (
+    OPTION,
+    GivenController,
+    RecordedController,
+    identity_of,
+    is_law_name,
+    named_controller,
+    refuse_beside,
+)
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
+from railhil.scenarios.system import System
 from railhil.study.faultless import can_inject_in, faultless_run
 from railhil.study.manifest import one_of
-from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+from railhil.study.plan import batch_sha256, bench_sha256, controller_sha256, sha256_of_json
 
 RUNS_MAX = 1_000_000
 #: Runs of a part: what a process does at a time, and what is lost when it is killed.
@@ -42,10 +52,11 @@ _OWN_CODE = ("hunt", "study/faultless.py", "study/descent.py")
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """The request from the command line. ``requirements``: files, and names of systems that ship one. ``controller``,
-    ``arithmetic``: empty: the usual one of the scenario's system. ``only``: ids of requirements, or beginnings of them;
-    empty: all. ``what``: is searched, by the names of :mod:`railhil.hunt.bounds`; empty: faults. ``all``: shrink every
-    case that violates something, and keep all. ``tighten``: state the tightest bounds that held."""
+    """The request from the command line. ``requirements``: files, and names of systems that ship one. ``controller``:
+    a law, or a controller of the user, which the command line names; it and ``arithmetic``: empty: the usual one.
+    ``only``: ids of requirements, or beginnings of them; empty: all. ``what``: is searched, by the names of
+    :mod:`railhil.hunt.bounds`; empty: faults. ``all``: shrink every case that violates something, and keep all.
+    ``tighten``: state the tightest bounds that held."""
 
     scenario: Annotated[str, Field(min_length=1)] = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
@@ -136,8 +147,9 @@ class Plan:
         return f"{self.results_origin} {chunk.name} {chunk.runs}"
 
     def is_searched(self, requirement: str) -> bool:
-        """Whether a requirement is among those that the user has named; a defect of the bench always is."""
-        return requirement == BENCH or _is_named(requirement, self.request.only)
+        """Whether a requirement is among those that the user has named; a defect of the bench, or a
+        controller that fails, always is."""
+        return requirement in (BENCH, CONTROLLER) or _is_named(requirement, self.request.only)
 
     @property
     def subject(self) -> dict[str, Any]:
@@ -148,11 +160,12 @@ class Plan:
             "scenario_sha256": any_judged_sha256(self.scenario),
             "law": law.controller,
             **law.how,
+            **({} if law.given is None else {"label": law.label, **identity_of(law.given)}),
             "seed": self.request.seed,
             "strategy": self.request.strategy,
             "bounds": self.bounds.as_json(),
             "requirements": [one.as_json() for one in self.requirements],
-            "law_sha256": law_sha256(law.controller, self.scenario.system),
+            "law_sha256": controller_sha256(law, self.scenario.system),
             "code_sha256": bench_sha256(),
             "batch_sha256": batch_sha256(*_OWN_CODE),
             "system_sha256": self.scenario.installed_system.code_sha256(),
@@ -180,16 +193,15 @@ class Plan:
         return _OWN_CODE
 
 
-def make_plan(request: Request) -> Plan:
+def make_plan(request: Request, code: Mapping[str, GivenController] | None = None) -> Plan:
     """Load what the request names, and check that its law can be made.
 
+    :param code: controllers of the user that command line or call name; without it the request must name none.
     :raises InputError: a scenario, law or arithmetic that cannot be run, or an id of no requirement.
     """
     scenario = load_any(request.scenario, request.settings)
     system = scenario.installed_system
-    if request.controller:
-        system.check_law(request.controller, "command line", "--controller")
-    law = LawSpec(request.controller or system.law, request.arithmetic or system.arithmetic)
+    law = _law(request, system, code or {})
     own = scenario_requirements(request.scenario, request.settings)
     requirements = (*own, *named_requirements(request.requirements, own))
     check_requirements(requirements, scenario)
@@ -200,12 +212,24 @@ def make_plan(request: Request) -> Plan:
             raise InputError("command line", "--only", only, allowed)
     requirements = tuple(one for one in requirements if _is_named(one.id, request.only))
     base = RunSpec(request.scenario, request.settings, law, bus="local")
-    make_controller_node(scenario, replace(base, seed=0)).close()
+    if not isinstance(law.given, RecordedController):
+        make_controller_node(scenario, replace(base, seed=0)).close()
     what = request.what or ((DRAWS,) if request.strategy == DESCENT else ())
     bounds = read_bounds(request.scenario, request.settings, what, list_disturbed_signals(system))
     plan = Plan(request, scenario, base, requirements, bounds)
     _check_draws(plan)
     return plan
+
+
+def _law(request: Request, system: System, code: Mapping[str, GivenController]) -> LawSpec:
+    """The law, or the controller of the user. Raises InputError."""
+    if not is_law_name(request.controller):
+        given = named_controller(request.controller, code, "hunt", OPTION)
+        refuse_beside(given, {"--arithmetic": request.arithmetic or None})
+        return LawSpec.of_given(given)
+    if request.controller:
+        system.check_law(request.controller, "command line", OPTION)
+    return LawSpec(request.controller or system.law, request.arithmetic or system.arithmetic)
 
 
 def _check_draws(plan: Plan) -> None:

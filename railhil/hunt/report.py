@@ -37,7 +37,7 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     return template("hunt.html.j2", "railhil.hunt").render(
         summary=summary,
         title=f"Hunt on {plan.scenario.title}",
-        law=f"{plan.base.law.controller} {plan.base.law.arithmetic}",
+        law=f"{plan.base.law.label} {plan.base.law.arithmetic}",
         headline=headline(summary),
         verdict=verdict_line(summary),
         requirements=[{**one, "nearest": nearest(one)} for one in summary["requirements"]],

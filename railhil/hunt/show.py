@@ -38,7 +38,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     law = plan.base.law
     many = f"{count_of(len(plan.requirements), 'requirement')} and " if plan.requirements else ""
     what = f"{many}the rules of every run"
-    yield f"{summary['scenario']}, {law.controller} {law.arithmetic}, {what}; seed {summary['seed']}"
+    yield f"{summary['scenario']}, {law.label} {law.arithmetic}, {what}; seed {summary['seed']}"
     yield headline(summary)
     tight = {one["id"]: one for one in summary.get("tight", ())}
     for one in summary["requirements"]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +24,14 @@ from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import SILENT
 from railhil.run.report import say_report
+from railhil.scenarios.given import KEY, RecordedController, is_law_name
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
-from railhil.study.manifest import machine_and_list
-from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
+from railhil.study.manifest import machine_and_list, read_manifest
+from railhil.study.plan import Study, batch_sha256, bench_sha256, controller_sha256
 from railhil.study.table import NotThePart, row
 
 _TEXTS = pa.list_(pa.string())
@@ -104,7 +106,7 @@ class ChunkWork:
     cases: tuple[HuntCase, ...]
 
     def code(self) -> tuple[str, ...]:
-        return bench_sha256(), batch_sha256(*self.own_code), law_sha256(self.base.law.controller, self.system)
+        return bench_sha256(), batch_sha256(*self.own_code), controller_sha256(self.base.law, self.system)
 
     def rows(self) -> pa.Table:
         rows = [case_row(self.base, self.requirements, case) for case in self.cases]
@@ -154,7 +156,7 @@ def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
     return {
         "scenario": plan.scenario.name,
         "scenario_sha256": any_judged_sha256(plan.scenario),
-        "law": plan.base.law.controller,
+        "law": plan.base.law.label,
         **plan.base.law.how,
         "code_sha256": bench_sha256(),
         "seed": plan.request.seed,
@@ -254,6 +256,11 @@ def _report(plan: Plan, made: Outcome) -> str:
     return say_report(made.folder, write)
 
 
+def _explained(plan: Plan) -> Mapping[str, Any]:
+    given = plan.base.law.given
+    return {**({} if given is None else {KEY: given.as_json()}), **machine_and_list()}
+
+
 HUNT: Study[Plan, Chunk] = Study(
     name="hunt",
     kind="hunt",
@@ -263,7 +270,7 @@ HUNT: Study[Plan, Chunk] = Study(
     check_rows=_check_rows,
     work=_work,
     summary=summary,
-    explained=lambda plan: machine_and_list(),
+    explained=_explained,
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
     report=_report,
@@ -282,7 +289,13 @@ def report_of(folder: Path, out: Path) -> None:
     """
     from railhil.hunt.report import write_page
 
-    plan, _ = repeated_plan(HUNT, folder)
+    begun = read_manifest(folder, HUNT)
+    text, code = begun.request.controller, {}
+    if not is_law_name(text):
+        file = folder / HUNT.manifest
+        # It is named as in the hunt, and not loaded.
+        code[text] = RecordedController.of_identity(text, begun.identity, begun.identity["arithmetic"], file)
+    plan, _ = repeated_plan(replace(HUNT, make_plan=partial(make_plan, code=code)), folder)
     found = read_found(folder)
     if found is None:
         raise InputError(

@@ -15,6 +15,7 @@ from railhil.faults.words import CLEAR
 from railhil.judge.record import Record
 from railhil.judge.result import Result
 from railhil.run.branch import Trunk, branched_run
+from railhil.scenarios.given import NO_CODE, NamedCode
 from railhil.scenarios.run_spec import RunSpec
 
 #: Decimals of an instant in a fault: 1 ns.
@@ -79,10 +80,11 @@ def point_of_no_return(record: Record) -> float | None:
     return find_no_return(record).saved_s
 
 
-def find_no_return(record: Record, saves: Callable[[Result], bool] = is_saved) -> NoReturn:
+def find_no_return(record: Record, saves: Callable[[Result], bool] = is_saved, code: NamedCode = NO_CODE) -> NoReturn:
     """:func:`point_of_no_return` by bisection over branches, with the number of branches.
 
     :param saves: whether the result of a branch is one of a run that is saved.
+    :param code: with which the run was made; its branches are then runs from the start.
     :raises InputError: the run has no fault that began, or cannot be repeated with the same bytes.
     """
     acting = _acting(record)
@@ -90,7 +92,7 @@ def find_no_return(record: Record, saves: Callable[[Result], bool] = is_saved) -
         found = Words("no fault that began")
         raise InputError(record.log.parent, "injected", found, "a run that its faults have lost")
     tick_ns = record.scenario.timing.base_tick_ns
-    spec = _with_all_faults(branched_run(record.log.parent), record)
+    spec = _with_all_faults(branched_run(record.log.parent, code), record)
     first = min(round(one.begun_s * 1e9) for one in acting if one.begun_s is not None) // tick_ns
     ends = [record.trace.end_s if one.ended_s is None else one.ended_s for one in acting]
     lost = max(-(-round(max(ends) * 1e9) // tick_ns), first + 1)

@@ -32,7 +32,7 @@ Settings = Mapping[str, Any] | Texts
 #: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
 #: Names of laws, texts of controllers, or functions and classes; one or several.
-Laws = str | Callable[..., Any] | Sequence[str | Callable[..., Any]]
+Laws = str | Path | Callable[..., Any] | Sequence[str | Path | Callable[..., Any]]
 #: Source of an argument named in errors.
 _LIBRARY = Path("railhil.run")
 
@@ -83,21 +83,24 @@ def brought_controller(controller: Any) -> GivenController | None:
     return PythonObject(controller)
 
 
-def named_laws(laws: Laws) -> tuple[tuple[str, ...], dict[str, GivenController]]:
-    """The laws of :func:`railhil.campaign` as texts, and the controllers among them.
+def named_laws(
+    laws: Laws, call: str = "railhil.campaign", argument: str = "laws"
+) -> tuple[tuple[str, ...], dict[str, GivenController]]:
+    """The laws of a call for many runs as texts, and the controllers among them.
 
     A function or class becomes the text by which other processes find it.
 
+    :param call: named in errors, with its ``argument``.
     :raises InputError: there is none, or one of them is neither a text nor found in a file.
     """
-    several = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else (laws,)
+    several = laws if isinstance(laws, Sequence) and not isinstance(laws, str | Path) else (laws,)
     if not several:
-        raise InputError("railhil.campaign", "laws", Words("empty"), "one law or several")
-    texts = tuple(law if isinstance(law, str) else _text_of(law) for law in several)
+        raise InputError(call, argument, Words("empty"), "one law or several")
+    texts = tuple(str(law) if isinstance(law, str | Path) else _text_of(law, call, argument) for law in several)
     return texts, given_controllers(texts)
 
 
-def _text_of(code: Any) -> str:
+def _text_of(code: Any, call: str, argument: str) -> str:
     name, file = getattr(code, "__qualname__", ""), ""
     if inspect.isfunction(code) or inspect.isclass(code):
         module = sys.modules.get(code.__module__)
@@ -106,7 +109,7 @@ def _text_of(code: Any) -> str:
         allowed = (
             "a name, FILE.py:NAME, or a function or class at the top of a file: other processes load it from there"
         )
-        raise InputError("railhil.campaign", "laws", Words(name or f"a {type(code).__name__}"), allowed)
+        raise InputError(call, argument, Words(name or f"a {type(code).__name__}"), allowed)
     return f"{file}:{name}"
 
 

@@ -152,6 +152,25 @@ def given_controller(text: str) -> GivenController | None:
     raise InputError("command line", OPTION, text, f"a law, or {', '.join(kind.form for kind in kinds)}")
 
 
+def identity_of(given: GivenController) -> dict[str, Any]:
+    """Form and files of a controller in the identity of a study, the latter without their places."""
+    known = given.as_json()
+    return {"form": known["form"], "files": {str(n): sha256 for n, sha256 in enumerate(known["files"].values())}}
+
+
+def named_controller(text: str, code: Mapping[str, GivenController], kind: str, option: str) -> GivenController:
+    """The controller of a study by the text in its request.
+
+    :param code: those that the command line or a call names.
+    :param kind: of study, and ``option``: with which the controller is named.
+    :raises InputError: it is not among them: only the request, as in a file, has its text.
+    """
+    if text not in code:
+        allowed = f"{option} on the command line: a controller is code, which no file can load"
+        raise InputError(kind, option.removeprefix("--"), text, allowed)
+    return code[text]
+
+
 class RecordedController(GivenController):
     """The controller of a recorded run, of which only the certificate is at hand: it is judged, but not run again.
 
@@ -176,6 +195,20 @@ class RecordedController(GivenController):
         if digest and not wanted.startswith(digest):
             raise InputError(file, f"{KEY}.label", recorded["label"], f"{self.name}@{wanted[:8]}")
         self._recorded, self._file = dict(recorded), file
+
+    @classmethod
+    def of_identity(cls, text: str, entry: Mapping[str, Any], arithmetic: str, file: str | Path) -> RecordedController:
+        """The controller of a study, from its manifest.
+
+        :param entry: of its identity: ``law``, ``label``, ``law_sha256``, and :func:`identity_of`.
+        :raises InputError: it does not describe one.
+        """
+        recorded = {
+            "text": text,
+            "sha256": entry["law_sha256"],
+            **{key: entry[key] for key in ("form", "label", "files")},
+        }
+        return cls({KEY: recorded, "controller": entry["law"], "arithmetic": arithmetic}, file)
 
     @classmethod
     def reads(cls, text: str) -> bool:

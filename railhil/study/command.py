@@ -18,7 +18,7 @@ from railhil.common.extras import need
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.record.signature import add_sign_argument, check_key, sign_list
-from railhil.scenarios.given import GivenController
+from railhil.scenarios.given import GivenController, given_controllers
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option
 from railhil.study.engines import running
@@ -134,10 +134,10 @@ class Command(Generic[P]):
     says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
     with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
     line) -> name and number of processes (None: one per core). ``how``: (plan) -> remark on the making of the runs
-    (empty: none), and the module with compiled loops (None: nothing is compiled). ``code``: (command line) ->
-    controllers of the user that its ``--laws`` name, by their texts; then the study's ``make_plan`` takes them as
-    ``code``. ``time_s``: (command line) -> wall time after which the study ends with what is there, in s; None: it
-    ends with its last run.
+    (empty: none), and the module with compiled loops (None: nothing is compiled). ``code``: the field of the request
+    that may name controllers of the user (empty: none may); if it does, the study's ``make_plan`` takes them as
+    ``code``, by their texts. ``time_s``: (command line) -> wall time after which the study ends with what is there, in
+    s; None: it ends with its last run.
     """
 
     name: str
@@ -149,7 +149,7 @@ class Command(Generic[P]):
     check: Callable[[argparse.Namespace], None]
     engine: Callable[[argparse.Namespace], tuple[str, int | None]]
     how: Callable[[P], tuple[str, str | None]]
-    code: Callable[[argparse.Namespace], Mapping[str, GivenController]] = lambda namespace: {}
+    code: str = ""
     time_s: Callable[[argparse.Namespace], float | None] = lambda namespace: None
 
     def main(self, words: Sequence[str] | None = None) -> int:
@@ -157,14 +157,18 @@ class Command(Generic[P]):
         return run_command(self.arguments(), words, self._work)
 
     def _work(self, namespace: argparse.Namespace) -> int:
-        code = self.code(namespace)
+        code = self._code(namespace)
         # A controller of the user is named again.
-        beside = (self.verified[0], "laws") if code else (self.verified[0],)
+        beside = (self.verified[0], self.code) if code else (self.verified[0],)
         _check_options(self.request, namespace, beside, self.only_run)
         self.check(namespace)
         need("pyarrow", *self._extras(namespace), command=self.name)
         study = self._study(code)
         return self._verify(namespace, study, code) if namespace.verify is not None else self._run(namespace, study)
+
+    def _code(self, namespace: argparse.Namespace) -> Mapping[str, GivenController]:
+        texts: str | Sequence[str] = (getattr(namespace, self.code) if self.code else None) or ()
+        return given_controllers((texts,) if isinstance(texts, str) else texts)
 
     def _extras(self, namespace: argparse.Namespace) -> tuple[str, ...]:
         """Extras that the command line needs."""
@@ -182,7 +186,8 @@ class Command(Generic[P]):
 
         folder = Path(namespace.verify)
         console, kind, made, bad = Output(stderr=namespace.json), study.kind, [], 0
-        plan, is_other_code = repeated_plan(study, folder, **({"laws": namespace.laws} if code else {}))
+        again = {self.code: getattr(namespace, self.code)} if code else {}
+        plan, is_other_code = repeated_plan(study, folder, **again)
         if is_other_code:
             said = f"the code has changed since the {kind}: a difference may come from that"
             console.say(said, style="bold yellow")

@@ -17,6 +17,7 @@ from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
 from railhil.judge.folder import code_sha256
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
@@ -175,3 +176,8 @@ def law_sha256(name: str, system: str) -> str:
     law_named(name, system)
     entry = entries(system_named(system).laws)[name]
     return held_sha256(entry.module, entry.dist)
+
+
+def controller_sha256(law: LawSpec, system: str) -> str:
+    """:func:`law_sha256` of a law, or the digest of a controller of the user. Raises InputError."""
+    return law_sha256(law.controller, system) if law.given is None else law.given.digest
