@@ -179,8 +179,10 @@ lock: | $(VENV)/bin/pip  ## the lock of hosted CI anew
 	@rm uv.lock
 
 # Installs what the lock names, as hosted CI does before any other target; then railhil itself.
+# antlr4-python3-runtime (of rtamt) has no wheel: it is built, with the setuptools of the smaller lock.
 locked: | $(VENV)/bin/pip
-	@$(call pip-install,--require-hashes --only-binary=:all: -r requirements/ci.txt)
+	@$(call pip-install,--require-hashes --only-binary=:all: -r requirements/bench.txt)
+	@$(call pip-install,--require-hashes --only-binary=:all: --no-binary=antlr4-python3-runtime --no-build-isolation -r requirements/ci.txt)
 	@$(call pip-install,--no-deps --no-build-isolation -e .)
 	@touch $(VENV)/.installed-dev $(VENV)/.installed
 

@@ -207,16 +207,19 @@ def test_version_is_one_in_every_file_that_states_it() -> None:
 _PYTHONS = ("3.11", "3.12", "3.13")
 
 
+def wanted_by(lines: list[str], python: str) -> list[Requirement]:
+    """Those requirements that a Python has on the platform of the lock."""
+    machine = {"python_version": python, "python_full_version": f"{python}.0", "sys_platform": "linux"}
+    machine |= {"platform_machine": "x86_64", "implementation_name": "cpython"}
+    return [one for one in map(Requirement, lines) if not one.marker or one.marker.evaluate(machine)]
+
+
 def locked_packages(name: str, python: str) -> dict[str, Version]:
     """Package -> version that a lock file has for a Python; every entry must be one version with hashes."""
     text = re.sub(r"^#.*\n", "", (ROOT / "requirements" / name).read_text(), flags=re.M)
     entries = re.findall(r"^(\S.*?) \\\n((?:    --hash=sha256:[0-9a-f]{64}(?: \\)?\n)+)", text, re.M)
     assert "".join(f"{line} \\\n{hashes}" for line, hashes in entries) == text
-    machine = {"python_version": python, "python_full_version": f"{python}.0", "sys_platform": "linux"}
-    machine |= {"platform_machine": "x86_64", "implementation_name": "cpython"}
-    found = [
-        one for one in (Requirement(line) for line, _ in entries) if not one.marker or one.marker.evaluate(machine)
-    ]
+    found = wanted_by([line for line, _ in entries], python)
     assert len({one.name for one in found}) == len(found)
     return {canonicalize_name(one.name): Version(str(one.specifier).removeprefix("==")) for one in found}
 
@@ -232,7 +235,7 @@ def test_the_lock_names_all_that_the_project_needs(name: str, python: str) -> No
     wanted = [*document["build-system"]["requires"], *document["project"]["dependencies"]]
     wanted += [line for extra in (extras if name == "ci.txt" else ["report"]) for line in extras[extra]]
     found = locked_packages(name, python)
-    for one in map(Requirement, wanted):
+    for one in wanted_by(wanted, python):
         assert found[canonicalize_name(one.name)] in one.specifier, str(one)
 
 
