@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         open_run,
         run,
     )
+    from railhil.probability.outcome import ProbabilityOutcome, probability
     from railhil.run.branch import branch
     from railhil.scenarios.load import load as load_scenario
     from railhil.scenarios.run_spec import LawSpec, RunSpec
@@ -38,7 +39,8 @@ if __name__ == "railhil" and os.path.isfile(os.path.join(_TOP, "pyproject.toml")
 if os.environ.get("RAILHIL_PURE", "0") not in ("", "0"):
     import_module("railhil.pure").use_sources()
 
-#: Name -> module and name there. ``campaign``, ``hunt`` and ``run`` are packages of these names, which can be called.
+#: Name -> module and name there. ``campaign``, ``hunt``, ``probability`` and ``run`` are packages of these names, which
+#: can be called.
 _PLACES = {
     "CampaignOutcome": ("railhil.library", "CampaignOutcome"),
     "Comparison": ("railhil.library", "Comparison"),
@@ -46,6 +48,7 @@ _PLACES = {
     "InputError": ("railhil.common.errors", "InputError"),
     "LawSpec": ("railhil.scenarios.run_spec", "LawSpec"),
     "Outcome": ("railhil.library", "Outcome"),
+    "ProbabilityOutcome": ("railhil.probability.outcome", "ProbabilityOutcome"),
     "RecordedEvent": ("railhil.library", "RecordedEvent"),
     "RunSpec": ("railhil.scenarios.run_spec", "RunSpec"),
     "Signals": ("railhil.library", "Signals"),
@@ -61,6 +64,7 @@ __all__ = [
     "InputError",
     "LawSpec",
     "Outcome",
+    "ProbabilityOutcome",
     "RecordedEvent",
     "RunSpec",
     "Signals",
@@ -70,12 +74,13 @@ __all__ = [
     "hunt",
     "load_scenario",
     "open_run",
+    "probability",
     "run",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("campaign", "hunt", "run"):
+    if name in ("campaign", "hunt", "probability", "run"):
         return import_module(f"railhil.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -21,10 +21,10 @@ from railhil.common.library_call import (
     JOBS,
     PATH,
     PATH_OR_NONE,
+    SETTINGS,
     TEXTS,
     Kind,
     are_paths,
-    are_texts,
     is_path,
     library_call,
 )
@@ -75,9 +75,6 @@ __all__ = [
 #: One recorded run, as this library calls it.
 Outcome = Record
 
-_SETTINGS = Kind(
-    "a mapping, a text KEY=VALUE or a list of such texts", lambda value: isinstance(value, Mapping) or are_texts(value)
-)
 #: Arguments by their options or keys, where the names differ.
 _NAMES = {"--set": "settings", "--fault": "faults"}
 
@@ -101,7 +98,7 @@ def _is_run(value: Any) -> bool:
             "a file or values by name",
             lambda value: value is None or is_path(value) or isinstance(value, ParameterSet | Mapping),
         ),
-        "settings": _SETTINGS,
+        "settings": SETTINGS,
         "faults": TEXTS,
         "requirements": FILES,
         "rate": Kind(
@@ -333,7 +330,7 @@ class CampaignOutcome:
     {
         "scenario": PATH,
         "parameters": Kind("a file or a list of files", are_paths),
-        "settings": _SETTINGS,
+        "settings": SETTINGS,
         "jobs": JOBS,
         "out": PATH_OR_NONE,
     },

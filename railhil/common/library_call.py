@@ -44,6 +44,10 @@ def are_paths(value: Any) -> bool:
 
 PATH = Kind("a text or a path", is_path)
 PATH_OR_NONE = Kind("a text, a path or None", lambda value: value is None or is_path(value))
+TEXT = Kind("a text", lambda value: isinstance(value, str))
+SETTINGS = Kind(
+    "a mapping, a text KEY=VALUE or a list of such texts", lambda value: isinstance(value, Mapping) or are_texts(value)
+)
 TEXTS = Kind("a text or a list of texts", are_texts)
 FILES = Kind("a file, a name or a list of them", are_paths)
 #: Processes; -1: one for each processor.

@@ -17,17 +17,16 @@ from railhil.common.library_call import (
     JOBS,
     PATH,
     PATH_OR_NONE,
+    SETTINGS,
     TEXTS,
     Kind,
-    are_texts,
     is_path,
     library_call,
 )
 from railhil.hunt.found import FOUND
 from railhil.hunt.show import summary_lines
-from railhil.run.spec import Files, Settings, Texts, named_laws, settings_of, texts_of
+from railhil.run.spec import Files, Settings, Texts, named_laws, requirement_names, settings_of, texts_of
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.system import names as system_names
 
 _YES_OR_NO = Kind("True or False", lambda value: isinstance(value, bool))
 
@@ -126,15 +125,6 @@ def _is_named(controller: Any) -> bool:
     return is_path(controller) or callable(controller)
 
 
-def _names(requirements: Files) -> tuple[str, ...]:
-    """Files of requirements by their whole paths, and names of systems."""
-    known = system_names()
-    return tuple(
-        word if word in known and not Path(word).is_file() else str(Path(word).resolve())
-        for word in texts_of(requirements)
-    )
-
-
 @library_call(
     "railhil.hunt",
     {
@@ -144,10 +134,7 @@ def _names(requirements: Files) -> tuple[str, ...]:
         "controller": Kind(
             "the name of a law, FILE:NAME, or a function or class", lambda value: value is None or _is_named(value)
         ),
-        "settings": Kind(
-            "a mapping, a text KEY=VALUE or a list of such texts",
-            lambda value: isinstance(value, Mapping) or are_texts(value),
-        ),
+        "settings": SETTINGS,
         "shrink": _YES_OR_NO,
         "tighten": _YES_OR_NO,
         "jobs": JOBS,
@@ -201,7 +188,7 @@ def hunt(
     request = Request(
         scenario=stable_name(str(scenario)),
         settings=settings_of(settings),
-        requirements=_names(requirements),
+        requirements=requirement_names(requirements),
         only=texts_of(only),
         controller=text,
         arithmetic=arithmetic or "",

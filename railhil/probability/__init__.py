@@ -10,6 +10,24 @@
     causes.py       shares of the draws and of the noise in the variance of the margin
     least.py        the failing run with the least draws, as a scenario file
     show.py         what is printed
+    outcome.py      ``railhil.probability``, the same as a function
 
 Folder, lock, parts, shards, engines, resuming and ``--verify`` are those of :mod:`railhil.study`.
 """
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from railhil.common.callable_package import CallablePackage
+
+
+def _function() -> Callable[..., Any]:
+    from railhil.probability.outcome import probability
+
+    return probability
+
+
+sys.modules[__name__].__class__ = CallablePackage

@@ -8,11 +8,10 @@ import sys
 from railhil.common.command_line import OneLineParser, whole_number
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
-from railhil.probability.plan import METHODS, Plan, Request
+from railhil.probability.plan import METHODS, Plan, Request, find_making
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_folder_arguments, add_number
 from railhil.study.engines import ENGINES
-from railhil.study.perturbed_runs import how_made
 
 _VERIFIED_RUNS = 3
 _EXIT_CODES = """\
@@ -103,15 +102,6 @@ def _check_engine(namespace: argparse.Namespace) -> None:
         raise InputError("command line", "--runs", namespace.runs, Sentence("used only with --verify"))
 
 
-def _how(plan: Plan) -> tuple[str, str | None]:
-    if plan.state.is_fast:
-        return how_made(plan.scenario)
-    # A journey of a minute or two takes half a second.
-    hours = plan.request.max_runs / 2 / 3600
-    told = f"every run goes through the nodes, about two a second and core: up to {hours:.3g} h with --max-runs"
-    return told, None
-
-
 COMMAND: Command[Plan] = Command(
     "railhil probability",
     "railhil.probability.study:PROBABILITY",
@@ -121,7 +111,7 @@ COMMAND: Command[Plan] = Command(
     only_run=("json",),
     check=_check_engine,
     engine=lambda namespace: (namespace.engine, namespace.jobs),
-    how=_how,
+    how=find_making,
 )
 
 

@@ -30,6 +30,7 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.manifest import one_of
+from railhil.study.perturbed_runs import how_made
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
 RUNS_MAX = 100_000_000
@@ -250,6 +251,16 @@ def make_plan(request: Request) -> Plan:
     base = RunSpec(request.scenario, request.settings, law, perturbed=True, bus="local")
     make_controller_node(scenario, replace(base, seed=0)).close()
     return Plan(request, scenario, Bench(base, sides), requirement)
+
+
+def find_making(plan: Plan) -> tuple[str, str | None]:
+    """A remark on the making of the runs (empty: none), and the module with compiled loops (None: nothing is
+    compiled)."""
+    if plan.state.is_fast:
+        return how_made(plan.scenario)
+    # A journey of a minute or two takes half a second.
+    hours = plan.request.max_runs / 2 / 3600
+    return f"every run goes through the nodes, about two a second and core: up to {hours:.3g} h with --max-runs", None
 
 
 def _requirement(request: Request, scenario: AnyScenario) -> Requirement:

@@ -22,6 +22,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import REQUIREMENTS, SET, normalise_setting
+from railhil.scenarios.system import names as system_names
 
 #: One text or several.
 Texts = str | Sequence[str]
@@ -169,6 +170,14 @@ def _toml_value(key: str, value: Any) -> str:
 def texts_of(given: Files) -> tuple[str, ...]:
     """The texts; a single one counts as one, not as its letters."""
     return (str(given),) if isinstance(given, str | Path) else tuple(map(str, given))
+
+
+def requirement_names(given: Files) -> tuple[str, ...]:
+    """Files of requirements by their whole paths, and names of systems."""
+    known = system_names()
+    return tuple(
+        word if word in known and not Path(word).is_file() else str(Path(word).resolve()) for word in texts_of(given)
+    )
 
 
 def with_requirements(spec: RunSpec, words: Files) -> RunSpec:
