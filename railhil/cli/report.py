@@ -18,7 +18,11 @@ from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
 
 #: Studies with a page of their own: the file by which the folder of one is known, and the module that writes the page.
-_STUDIES = {"campaign.json": "railhil.campaign.report", "hunt.json": "railhil.hunt.study"}
+_STUDIES = {
+    "campaign.json": "railhil.campaign.report",
+    "hunt.json": "railhil.hunt.study",
+    "probability.json": "railhil.probability.study",
+}
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -31,7 +35,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ],
     )
     parser.add_argument(
-        "folder", nargs="+", metavar="DIR", help="run folder, or the folder of a comparison, a campaign or a hunt"
+        "folder",
+        nargs="+",
+        metavar="DIR",
+        help="run folder, or the folder of a comparison, a campaign, a hunt or a probability",
     )
     add_options(parser, "--scenario", "--no-return")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
@@ -80,7 +87,7 @@ def _no_return(records: Sequence[Record]) -> list[str]:
 
 
 def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> int:
-    """The report of a campaign or of a hunt.
+    """The report of a study.
 
     :param name: of the file by which it is known.
     """

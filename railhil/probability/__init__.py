@@ -9,7 +9,7 @@
     study.py        rows of a repetition, the summary, rare runs made again through the nodes
     causes.py       shares of the draws and of the noise in the variance of the margin
     least.py        the failing run with the least draws, as a scenario file
-    show.py         what is printed
+    show.py         what is printed; report.py: the page
     outcome.py      ``railhil.probability``, the same as a function
 
 Folder, lock, parts, shards, engines, resuming and ``--verify`` are those of :mod:`railhil.study`.

@@ -87,7 +87,7 @@ def arguments() -> argparse.ArgumentParser:
     add_number(parser, Request, "seed")
     parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
     add_option(parser, "--jobs")
-    add_folder_arguments(parser, "probability", with_report=False)
+    add_folder_arguments(parser, "probability", with_report=True)
     note = " that --verify makes again"
     add_option(parser, "--runs", note, type=whole_number(1, 10_000), default=None, usual=str(_VERIFIED_RUNS))
     return parser

@@ -195,6 +195,7 @@ def probability(
         need("numba", "campaign")
         say_compiling(say, kernel)
     made = make_study(PROBABILITY, plan, jobs, out)
+    PROBABILITY.report(plan, made)
     return ProbabilityOutcome(
         made.folder, made.summary, tuple(lines(plan, made.summary, made.folder)), plan.state.all_names
     )

@@ -20,9 +20,14 @@ _CAUSE_MIN = 0.01
 _CAUSES_MAX = 6
 
 
-def show(console: Output, plan: Plan, made: Outcome) -> None:
-    """Print the result of a finished study."""
-    for line in lines(plan, made.summary, made.folder):
+def show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
+    """Print the result of a finished study.
+
+    :param line: on its page; empty: none was asked for.
+    """
+    for text in lines(plan, made.summary, made.folder):
+        console.say(text)
+    if line:
         console.say(line)
     console.say(f"probability folder {made.folder}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pyarrow as pa
 from rich.console import Console
 
 from railhil.batch.statistics import CONFIDENCE, share_of
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.probability.causes import Sums, noise_share
 from railhil.probability.interval import Probability, from_count, from_repetitions, repetitions_for, runs_for
@@ -19,11 +21,13 @@ from railhil.probability.limit_state import LimitState
 from railhil.probability.plan import BRUTE, BRUTE_RUNS, SUBSET, Chunk, Design, Plan, Request, make_plan
 from railhil.probability.sampling import Estimate, Floats, Points, draw_points, estimate_side
 from railhil.probability.show import show
+from railhil.run.report import say_report
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome, execute
-from railhil.study.finished import Verified, differences
+from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
+from railhil.study.parts import SUMMARY
 from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
 from railhil.study.table import NotThePart, row
 
@@ -257,6 +261,17 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return PASS if made.summary["is_resolved"] and is_decided else INVALID
 
 
+def _report(plan: Plan, made: Outcome) -> str:
+    """Write the page; returns a line on it."""
+
+    def write(path: Path) -> None:
+        from railhil.probability.report import write_page
+
+        write_page(plan, made.summary, path)
+
+    return say_report(made.folder, write)
+
+
 PROBABILITY: Study[Plan, Chunk] = Study(
     name="probability",
     kind="probability",
@@ -269,10 +284,26 @@ PROBABILITY: Study[Plan, Chunk] = Study(
     explained=lambda plan: machine_and_list(),
     items=lambda plan: sum(chunk.runs for chunk in plan.chunks()),
     repeat=_repeat,
-    report=lambda plan, made: "",
-    show=lambda console, plan, made, line: show(console, plan, made),
+    report=_report,
+    show=lambda console, plan, made, line: show(console, plan, made, line),
     finish=_complete,
     exit_code=exit_code,
     grown=lambda plan, rows: plan.grown(len(set(rows["repetition"].to_pylist()))),
     unit="repetition",
 )
+
+
+def report_of(folder: Path, out: Path) -> None:
+    """Write the page of a finished study from its folder.
+
+    :raises InputError: it is not finished, damaged, changed, or of a scenario that has changed since.
+    :raises OSError: it cannot be written.
+    """
+    from railhil.probability.report import write_page
+
+    summary = finished_summary(PROBABILITY, folder)
+    if "least" not in summary:
+        allowed = "the summary of a finished probability (--resume finishes it)"
+        raise InputError(folder / SUMMARY, "least", Words("missing"), allowed)
+    plan, _ = repeated_plan(PROBABILITY, folder, at_most=summary.get("at_most"))
+    write_page(plan, summary, out)

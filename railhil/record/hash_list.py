@@ -33,6 +33,7 @@ DOCUMENTS: Final = (
     "sequence.json",
     "faults.json",
     "hunt.json",
+    "probability.json",
 )
 #: The page of a folder.
 REPORT: Final = "report.html"

@@ -9,9 +9,15 @@ from typing import Any
 import pytest
 
 import railhil
+from hil_tests.support.cli import railhil as command
 from hil_tests.unit.probability.test_probability import STOP, MadeUpBench
 from hil_tests.unit.probability.test_probability import bench as bench  # a fixture
+from railhil.campaign.study import CAMPAIGN
+from railhil.hunt.study import HUNT
 from railhil.probability.outcome import ProbabilityOutcome
+from railhil.probability.study import PROBABILITY
+from railhil.record.hash_list import DOCUMENTS
+from railhil.sequences.study import LEARN
 
 SHORT: dict[str, Any] = {"says": STOP, "controller": "ipfc_plus_stop", "points": 500, "accuracy": 0.4, "seed": 3}
 
@@ -76,6 +82,33 @@ def test_without_a_violation_there_is_no_interval_and_no_least_disturbance(
     assert (found.p, found.low, found.high, found.least, found.is_resolved) == (0, None, None, None, False)
     assert "no interval" in repr(found)
     assert found.repetitions == ()
+    text = (tmp_path / "p/report.html").read_text(encoding="utf-8")
+    assert "no violation found" in text
+    assert '<figure id="repetitions">' not in text
+    assert '<figure id="levels">' not in text
+
+
+def test_an_unfinished_study_has_no_page(found: ProbabilityOutcome, tmp_path: Path) -> None:
+    (tmp_path / "p/summary.json").unlink()
+    done = command("report", tmp_path / "p")
+    assert done.exit_code == 2
+    assert "has no summary.json" in done.one_line()
+
+
+def test_the_page_has_levels_repetitions_and_causes_and_is_written_again_from_the_folder(
+    found: ProbabilityOutcome, tmp_path: Path
+) -> None:
+    written = (tmp_path / "p/report.html").read_bytes()
+    text = written.decode()
+    for name in ("levels", "repetitions", "causes"):
+        assert f'<figure id="{name}">' in text
+    assert "mass factor: " in text
+    assert f"P = {found.p:.2g}" in text
+    assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+    done = command("report", tmp_path / "p", "--out", tmp_path / "again.html")
+    assert done.exit_code == 0, done.err
+    assert (tmp_path / "again.html").read_bytes() == written
+    assert command("verify", tmp_path / "p").exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -95,3 +128,8 @@ def test_bad_arguments_are_refused_in_the_words_of_the_call(arguments: dict[str,
     with pytest.raises(railhil.InputError) as refused:
         railhil.probability("lvshun_tieshan", **arguments)
     assert str(refused.value).startswith(said)
+
+
+@pytest.mark.parametrize("study", [CAMPAIGN, HUNT, PROBABILITY, LEARN], ids=lambda study: study.name)
+def test_the_folder_of_every_study_is_known_to_verify(study: Any) -> None:
+    assert study.manifest in DOCUMENTS
