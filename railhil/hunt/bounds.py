@@ -128,7 +128,7 @@ def read_bounds(scenario: str, settings: Sequence[str], what: Sequence[str], por
     _check(table.left_out, ports, layers.origin("hunt", "left_out"), "hunt.left_out")
     file = layers.origin("hunt", "largest")
     largest = tuple(parse(text, file, Trigger("manual")) for text in table.largest)
-    wanted = tuple(what) or (FAULTS,)
+    wanted = tuple(dict.fromkeys(what)) or (FAULTS,)
     found = Bounds(wanted, tuple(table.left_out), table.faults_max, table.longest_s, largest)
     if wanted != (DRAWS,) and not any(word.level != "telegram" for word in found.words()) and not found.ports(ports):
         raise InputError("command line", "--what", ", ".join(wanted), "names of which [hunt] leaves some fault")

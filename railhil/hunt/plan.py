@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -205,6 +206,10 @@ def make_plan(request: Request, code: Mapping[str, GivenController] | None = Non
     own = scenario_requirements(request.scenario, request.settings)
     requirements = (*own, *named_requirements(request.requirements, own))
     check_requirements(requirements, scenario)
+    for one in requirements:
+        if re.fullmatch(rf"{BENCH}|{CONTROLLER}|{RULE_ID}-\w+", one.id):
+            allowed = f"an id other than {BENCH}, {CONTROLLER} and {RULE_ID}-n, which findings of every hunt have"
+            raise InputError(one.file, "requirement.id", one.id, allowed)
     for only in request.only:
         ids = [one.id for one in requirements]
         if not only or not (RULE_ID.startswith(only[:3]) or any(name.startswith(only) for name in ids)):

@@ -99,3 +99,16 @@ def test_bad_bounds_are_one_line(tmp_path: Path, text: str, what: tuple[str, ...
         make_plan(Request(with_hunt(tmp_path, text), what=what))
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_name_that_is_asked_for_twice_counts_once() -> None:
+    twice = make_plan(Request("lvshun_tieshan", what=("draws", "draws")))
+    assert twice.results_origin == make_plan(Request("lvshun_tieshan", what=("draws",))).results_origin
+
+
+@pytest.mark.parametrize("name", ["BENCH", "CONTROLLER", "INV-4"])
+def test_a_sentence_cannot_have_the_id_of_a_finding_of_every_hunt(tmp_path: Path, name: str) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(f'[[requirement]]\nid = "{name}"\nsays = "never true_speed < 0 km/h"\n')
+    with pytest.raises(InputError, match=f"mine.toml: requirement.id: found '{name}'"):
+        make_plan(Request("lvshun_tieshan", requirements=(str(file),)))
