@@ -19,7 +19,8 @@ exit codes:
   0    the probability is known to the wanted accuracy; --verify: the bench gives the same margins
   1    --at-most lies below the interval; --verify: the bench gives other margins
   2    usage or bad input; one line says what was found and what is allowed
-  3    not resolved: the accuracy is not met, or --at-most lies inside the interval; or workers were lost too often
+  3    not resolved: the accuracy is not met, or --at-most lies inside the interval; workers were lost too
+       often; --verify: no run has violated the requirement, so nothing was compared
   4    TOOL ERROR: a defect, or the record could not be written (what is done is kept)
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 
@@ -79,7 +80,8 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--parameters")
     wanted = f"half the width of the interval as a share of P (default: {usual.accuracy})"
     parser.add_argument("--accuracy", type=_accuracy, metavar="A", help=wanted)
-    parser.add_argument("--max-runs", type=_runs, metavar="N", help=f"at most so many runs (default: {usual.max_runs})")
+    most = f"no repetition that would exceed it, after the pilot and the first one (default: {usual.max_runs})"
+    parser.add_argument("--max-runs", type=_runs, metavar="N", help=most)
     said = f"runs of each level of a repetition (default: {usual.points})"
     parser.add_argument("--points", type=whole_number(100, 100_000), metavar="N", help=said)
     parser.add_argument("--method", choices=METHODS, help="how it is found (default: auto, that with fewer runs)")

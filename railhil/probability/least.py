@@ -129,7 +129,8 @@ def _file(plan: Plan, folder: Path, found: Least) -> str:
     ]
     lines = [
         f"# railhil probability, seed {plan.request.seed}: least draws found ({found.size:.2f} standard deviations),",
-        f"# with which {plan.requirement.id} is violated: {plan.requirement.says}",
+        # A sentence may have several lines, and what ends one.
+        f"# with which {plan.requirement.id} is violated: {' '.join(plan.requirement.says.split())}",
         "schema_version = 1",
         f"extends = {json.dumps(base)}",
         *("draws = [", *named, "]"),

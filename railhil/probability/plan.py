@@ -23,7 +23,7 @@ from railhil.judge.requirements.requirement import (
 )
 from railhil.probability.interval import REPETITIONS_MIN, runs_for
 from railhil.probability.limit_state import Bench, LimitState, draw_names, sides_of
-from railhil.probability.sampling import Level, Pilot, draw_points, find_levels
+from railhil.probability.sampling import LEVELS_MAX, Level, Pilot, draw_points, find_levels
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import load_parameters
@@ -131,7 +131,8 @@ class Plan:
                 plain = draw_points(asked.points, len(self.state.names), True, random)
                 found = find_levels(self.state, side, plain, self.state(plain), asked.points, random)
                 runs += asked.points + found.runs
-                if found.is_whole:
+                # One that is only far away would be as far with other points.
+                if found.is_whole or len(found.levels) == LEVELS_MAX:
                     break
             pilots.append(found)
         estimate = sum(pilot.estimate for pilot in pilots)
@@ -153,8 +154,8 @@ class Plan:
         if design.levels:
             return min(REPETITIONS_MIN, most)
         p = design.estimate or 1 / self.request.max_runs
-        # A tenth more: the pilot's estimate is a rough one.
-        return min(-(-int(1.1 * runs_for(p, self.request.accuracy)) // BRUTE_RUNS), most)
+        # A tenth more: the pilot's estimate is a rough one. Where all of its runs violate, none would be needed.
+        return min(max(1, -(-int(1.1 * runs_for(p, self.request.accuracy)) // BRUTE_RUNS)), most)
 
     @property
     def most_repetitions(self) -> int:
@@ -268,6 +269,9 @@ def _requirement(request: Request, scenario: AnyScenario) -> Requirement:
         told = Sentence("one of them is needed: the id of a requirement, or a sentence")
         raise InputError("command line", "--requirement, --says", None, told)
     if request.says:
+        if request.requirements:
+            given = list(request.requirements)
+            raise InputError("command line", "--requirements", given, Sentence("used only with --requirement"))
         tables = {"requirement": [{"id": _SAID, "says": request.says}]}
         return requirements_in(tables, "command line --says")[0]
     own = scenario_requirements(request.scenario, request.settings)

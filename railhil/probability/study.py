@@ -199,7 +199,9 @@ def _levels(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any
         for place, level in enumerate(levels):
             own = [one[place] for one in shares if len(one) > place]
             mean = float(np.mean(own)) if own else 0.0
-            found.append({"side": side.says, "bound": level.bound, "share": mean})
+            # The last share is that of the event, also where the pilot has not come to it.
+            bound = level.bound if level is not levels[-1] else 0.0
+            found.append({"side": side.says, "bound": bound, "share": mean})
     return found
 
 

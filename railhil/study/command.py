@@ -13,7 +13,7 @@ from typing import Any, Generic, get_type_hints
 
 from railhil.common.command_line import SEED_MAX, run_command, whole_number
 from railhil.common.errors import InputError, Sentence
-from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -198,11 +198,16 @@ class Command(Generic[P]):
             made.append({**one.document, "differences": dict(one.differences)})
             bad += bool(one.differences)
             if not one.differences:
-                console.say(f"{one.run}: the bench gives the same commands and scores")
+                console.say(f"{one.run}: the bench gives the same results")
             for name, (ours, theirs) in one.differences.items():
                 console.say(f"{one.run}: {name} {ours} in the {kind}, {theirs} on the bench", style="red")
         if namespace.json:
             print_json(made)
+        if not made:
+            console.say(
+                f"nothing was compared: the {kind} has no run in these rows that can be made again", style="yellow"
+            )
+            return INVALID
         console.say(f"{len(made) - bad} of {len(made)} runs are the same on the bench")
         return FAIL if bad else PASS
 

@@ -152,6 +152,27 @@ def test_a_frequent_event_is_counted(bench: MadeUpBench, tmp_path: Path) -> None
     assert exit_code(made_plan, made) == 0
 
 
+def test_an_event_of_every_run_is_counted(bench: MadeUpBench, tmp_path: Path) -> None:
+    bench.linear = Linear(-30.0, 2)
+    made_plan, made = probability(tmp_path / "a", says="at stopped stop_error <= 0.05 m")
+    assert (made.summary["p"], made.summary["high"]) == (1.0, 1.0)
+    assert exit_code(made_plan, made) == 0
+
+
+def test_an_event_that_is_only_far_away_takes_one_pilot(bench: MadeUpBench, tmp_path: Path) -> None:
+    bench.linear = Linear(30.0, 2)
+    made_plan, made = probability(tmp_path / "a", says="at stopped stop_error <= 0.05 m", max_runs=1000)
+    assert made.summary["runs"] < 2 * 500 * 20 + 500, "the pilot and one repetition"
+    assert made.summary["levels"][-1] == {"side": "at stopped stop_error <= 0.05 m", "bound": 0.0, "share": 0.0}
+    assert exit_code(made_plan, made) == 3
+
+
+def test_the_file_of_the_least_run_takes_a_sentence_of_several_lines(bench: MadeUpBench, tmp_path: Path) -> None:
+    says = "at stopped\n\tstop_error\n<= 0.05 m"
+    _, made = probability(tmp_path / "a", says=says)
+    assert scenario_requirements(str(made.folder / "least.toml"))[0].says == says
+
+
 def test_more_repetitions_are_made_until_the_accuracy_is_met(bench: MadeUpBench, tmp_path: Path) -> None:
     _, made = probability(tmp_path / "a", accuracy=0.15)
     assert len(made.summary["repetitions"]) > 10
@@ -236,6 +257,7 @@ def test_the_sides_of_a_size_are_sentences_of_their_own(says: str, sides: tuple[
         (["--requirement", "ATO-0"], "one of ATO-1"),
         (["--says", "at stopped stop_error <= 1 s"], "a length is compared with a time"),
         (["yizhuang_stop", "--says", STOP], "draws and noise"),
+        (["--says", STOP, "--requirements", "ato"], "used only with --requirement"),
         (["--says", STOP, "--accuracy", "0"], "allowed a share of P above 0"),
         (["--says", STOP, "--max-runs", "1.5"], "allowed a whole number"),
         (["--says", STOP, "--at-most", "2"], "allowed a probability"),
