@@ -19,7 +19,7 @@ from railhil.judge.criteria import Criterion
 from railhil.judge.judging import Judging, judging_of
 from railhil.scenarios.given import GivenController, RecordedController, identity_of, is_law_name, named_controller
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario, require_perturbations
+from railhil.scenarios.model import AnyScenario, require_free_draws, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
@@ -246,6 +246,7 @@ def make_plan(request: Request, code: Code | None = None) -> Plan:
     """
     scenario = load_any(request.scenario, request.settings)
     require_perturbations(scenario, "campaign")
+    require_free_draws(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
         raise InputError("command line", "--seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")

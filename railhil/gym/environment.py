@@ -66,6 +66,7 @@ class RunEnv(gymnasium.Env[Values, Values]):
             "perturbed": Kind("True or False", lambda value: isinstance(value, bool)),
             "reference": Kind("the name of a law or None", lambda value: value is None or isinstance(value, str)),
             "out": PATH_OR_NONE,
+            "render_mode": Kind("None", lambda value: value is None),
         },
         {"--set": "settings", "--fault": "faults"},
     )

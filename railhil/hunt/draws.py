@@ -31,12 +31,16 @@ Draws = tuple[float, ...]
 def drawn_numbers(scenario: AnyScenario) -> tuple[bool, ...]:
     """For each of the draws of a scenario's runs whether it has an effect; the others are 0.
 
-    :raises InputError: its runs take none.
+    :raises InputError: its runs take none, or it has its own.
     """
     names = scenario.installed_system.optional_part("draws")
     if names is None or not scenario.can_be_perturbed:
         allowed = "a scenario with [perturbations] whose runs can be given draws, such as lvshun_tieshan"
         raise InputError("command line", "--what", Words(f"draws of {scenario.name}"), allowed)
+    if getattr(scenario, "draws", ()):
+        # Those of a --set would also replace those of a found file.
+        found = Words(f"draws of {scenario.name}, which has its own")
+        raise InputError("command line", "--what", found, "a scenario without them: this command draws them")
     return tuple(name is not None for name in names(scenario))
 
 

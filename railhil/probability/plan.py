@@ -25,7 +25,7 @@ from railhil.probability.interval import REPETITIONS_MIN, runs_for
 from railhil.probability.limit_state import Bench, LimitState, draw_names, sides_of
 from railhil.probability.sampling import LEVELS_MAX, Level, Pilot, draw_points, find_levels
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario, require_perturbations
+from railhil.scenarios.model import AnyScenario, require_free_draws, require_perturbations
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
@@ -234,6 +234,7 @@ def make_plan(request: Request) -> Plan:
     scenario = load_any(request.scenario, request.settings)
     system = scenario.installed_system
     require_perturbations(scenario, "probability")
+    require_free_draws(scenario, "probability", wholly=True)
     draw_names(scenario)
     parameters = load_parameters(Path(request.parameters)) if request.parameters else None
     controller = request.controller or (parameters.law if parameters is not None else system.law)

@@ -146,6 +146,18 @@ def require_perturbations(scenario: AnyScenario, key: str) -> None:
         raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
 
+def require_free_draws(scenario: AnyScenario, key: str, *, wholly: bool = False) -> None:
+    """Refuse many drawn runs of a scenario that has its own ``draws`` and ``noise``: they would all be the same.
+
+    :param key: the command that requests them. :param wholly: neither of the two may be given.
+    :raises InputError: both are given, or one of them.
+    """
+    given = [name for name in ("draws", "noise") if getattr(scenario, name, ())]
+    if len(given) == 2 or (wholly and given):
+        found = Words(f"the scenario {scenario.name} with {' and '.join(given)} of its own")
+        raise InputError("command line", key, found, "a scenario without them: this command draws them")
+
+
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:

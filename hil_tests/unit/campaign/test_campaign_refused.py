@@ -43,6 +43,13 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
     assert make_plan(replace(request, first_seed=200))
 
 
+def test_runs_that_would_all_be_the_same_are_refused():
+    draws, noise = f"draws={[0.0] * 15}", "noise=[[1, 1.0]]"
+    with pytest.raises(InputError, match="the scenario lvshun_tieshan with draws and noise of its own"):
+        make_plan(Request(settings=(draws, noise)))
+    assert make_plan(Request(settings=(draws,))), "the noise of its runs differs"
+
+
 def test_all_laws_stand_in_the_order_of_every_table():
     plan = make_plan(Request(laws=("all",)))
     assert [entry.law.controller for entry in plan.entries] == sort_laws(names())

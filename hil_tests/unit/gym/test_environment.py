@@ -222,6 +222,7 @@ def test_bad_input_is_one_line(short: str) -> None:
     assert "no_such" in refused(lambda: RunEnv("no_such"))
     assert "no_law" in refused(lambda: RunEnv(short, reference="no_law"))
     assert "perturbed" in refused(lambda: RunEnv(short, perturbed=1))  # type: ignore[arg-type]
+    assert "render_mode" in refused(lambda: RunEnv(short, render_mode="human"))  # type: ignore[arg-type]
     env.reset(seed=0)
     assert "finite" in refused(lambda: env.step(np.array([np.nan])))
     assert "[1.0, 2.0]" in refused(lambda: env.step(np.array([1.0, 2.0])))

@@ -131,6 +131,7 @@ def test_shrunk_draws_violate_and_are_not_longer(draws: Draws, bound: float) -> 
     ("asked", "said"),
     [
         ({"scenario": "yizhuang_stop", "what": ("draws",)}, "--what: draws of yizhuang_stop"),
+        ({"settings": (f"draws={[0.0] * 15}",), "what": ("draws",)}, "draws of lvshun_tieshan, which has its own"),
         ({"strategy": "descent"}, "--requirements: none, expected sentences"),
         ({"strategy": "descent", "what": ("draws", "sensors")}, "--what: found 'draws, sensors', allowed draws alone"),
     ],

@@ -257,6 +257,7 @@ def test_the_sides_of_a_size_are_sentences_of_their_own(says: str, sides: tuple[
         (["--requirement", "ATO-0"], "one of ATO-1"),
         (["--says", "at stopped stop_error <= 1 s"], "a length is compared with a time"),
         (["yizhuang_stop", "--says", STOP], "draws and noise"),
+        (["--says", STOP, "--set", "noise=[[1, 1.0]]"], "with noise of its own, expected a scenario without them"),
         (["--says", STOP, "--requirements", "ato"], "used only with --requirement"),
         (["--says", STOP, "--accuracy", "0"], "allowed a share of P above 0"),
         (["--says", STOP, "--max-runs", "1.5"], "allowed a whole number"),
