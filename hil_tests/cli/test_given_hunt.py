@@ -159,6 +159,15 @@ def test_another_text_of_its_file_is_another_hunt_and_another_place_is_not(tmp_p
     assert {key for key in here if here[key] != changed[key]} == {"label", "files", "law_sha256"}
 
 
+def test_its_failures_alone_can_be_searched_for(tmp_path: Path) -> None:
+    write(tmp_path)
+    files = str(tmp_path / "short.toml"), (), (str(tmp_path / "mine.toml"),)
+    plan = make_plan(Request(*files, only=(CONTROLLER,)))
+    assert plan.requirements == ()
+    assert not plan.is_searched("CUT")
+    assert not plan.is_searched("INV-4")
+
+
 def test_a_controller_that_raises_under_a_fault_is_a_finding(tmp_path: Path) -> None:
     write(tmp_path)
     controller = given_controller(f"{tmp_path / 'mine.py'}:picky")

@@ -211,7 +211,7 @@ def make_plan(request: Request, code: Mapping[str, GivenController] | None = Non
             allowed = f"an id other than {BENCH}, {CONTROLLER} and {RULE_ID}-n, which findings of every hunt have"
             raise InputError(one.file, "requirement.id", one.id, allowed)
     for only in request.only:
-        ids = [one.id for one in requirements]
+        ids = [*(one.id for one in requirements), BENCH, CONTROLLER]
         if not only or not (RULE_ID.startswith(only[:3]) or any(name.startswith(only) for name in ids)):
             allowed = ", ".join([*ids, f"{RULE_ID}-1, {RULE_ID}-2, ... (the rules of every run)"])
             raise InputError("command line", "--only", only, allowed)
