@@ -34,8 +34,8 @@ from railhil.study.perturbed_runs import how_made
 from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
 
 RUNS_MAX = 100_000_000
-#: Runs of a part of the brute force.
-BRUTE_RUNS = 5_000
+#: Runs of a part of the brute force, and of one whose runs go through the nodes (chosen: about a minute).
+_BRUTE_RUNS, _BRUTE_RUNS_BY_NODES = 5_000, 100
 METHODS = AUTO, SUBSET, BRUTE = "auto", "subset", "brute"
 #: Name of the least disturbance in the folder.
 LEAST = "least.toml"
@@ -123,7 +123,7 @@ class Plan:
         """
         asked, random = self.request, self.random(_PILOT_STREAM, 0)
         if asked.method == BRUTE:
-            return Design((), 0.0, 0, BRUTE_RUNS)
+            return Design((), 0.0, 0, self._brute_runs)
         pilots: list[Pilot] = []
         runs = 0
         for side in range(len(self.bench.sides)):
@@ -142,8 +142,12 @@ class Plan:
         is_blind = not all(levels)
         is_frequent = estimate > 0 and runs_for(estimate, asked.accuracy) <= REPETITIONS_MIN * each
         if asked.method == AUTO and (is_blind or is_frequent):
-            return Design((), estimate, runs, BRUTE_RUNS)
+            return Design((), estimate, runs, self._brute_runs)
         return Design(levels, estimate, runs, each)
+
+    @property
+    def _brute_runs(self) -> int:
+        return _BRUTE_RUNS if self.state.is_fast else _BRUTE_RUNS_BY_NODES
 
     @property
     def repetitions(self) -> int:
@@ -155,14 +159,16 @@ class Plan:
             return min(REPETITIONS_MIN, most)
         p = design.estimate or 1 / self.request.max_runs
         # A tenth more: the pilot's estimate is a rough one. Where all of its runs violate, none would be needed.
-        return min(max(1, -(-int(1.1 * runs_for(p, self.request.accuracy)) // BRUTE_RUNS)), most)
+        return min(max(1, -(-int(1.1 * runs_for(p, self.request.accuracy)) // design.repetition_runs)), most)
 
     @property
     def most_repetitions(self) -> int:
         """Number of repetitions that the greatest number of runs allows."""
         # The first repetition has as many further runs, with new noise, as it has plain ones.
-        other = self.design.runs + self.request.points + LEAST_RUNS
-        return max(1, (self.request.max_runs - other) // self.design.repetition_runs)
+        design = self.design
+        other = design.runs + (self.request.points if design.levels else design.repetition_runs)
+        other += LEAST_RUNS if self.state.is_fast else 0
+        return max(1, (self.request.max_runs - other) // design.repetition_runs)
 
     def random(self, stream: int, number: int) -> np.random.Generator:
         """The random numbers of the pilot or of a repetition."""

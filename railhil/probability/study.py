@@ -18,7 +18,7 @@ from railhil.probability.causes import Sums, noise_share
 from railhil.probability.interval import Probability, from_count, from_repetitions, repetitions_for, runs_for
 from railhil.probability.least import with_least
 from railhil.probability.limit_state import LimitState
-from railhil.probability.plan import BRUTE, BRUTE_RUNS, SUBSET, Chunk, Design, Plan, Request, make_plan
+from railhil.probability.plan import BRUTE, SUBSET, Chunk, Design, Plan, Request, make_plan
 from railhil.probability.sampling import Estimate, Floats, Points, draw_points, estimate_side
 from railhil.probability.show import show
 from railhil.run.report import say_report
@@ -75,7 +75,7 @@ class ChunkWork:
     def rows(self) -> pa.Table:
         plan, state = self.plan, LimitState(self.plan.bench, self.plan.scenario)
         random = plan.repetition_random(self.index)
-        count = plan.request.points if self.design.levels else BRUTE_RUNS
+        count = plan.request.points if self.design.levels else self.design.repetition_runs
         plain = draw_points(count, len(state.names), True, random)
         known = state(plain)
         rows = []
@@ -140,7 +140,7 @@ def probability_of(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> Probability
     """The probability with its interval."""
     if plan.design.levels:
         return from_repetitions(estimates_of(plan, rows))
-    return from_count(share_of(sum(one["failing"] for one in rows), BRUTE_RUNS * len(rows)))
+    return from_count(share_of(sum(one["failing"] for one in rows), plan.design.repetition_runs * len(rows)))
 
 
 def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
@@ -180,7 +180,7 @@ def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
 def _unresolved_below(design: Design, rows: Sequence[Mapping[str, Any]]) -> float:
     """About the least probability that these runs could have shown: one point of the last level that was reached."""
     if not design.levels:
-        return 1 / (BRUTE_RUNS * len(rows))
+        return 1 / (design.repetition_runs * len(rows))
     reached = [float(np.prod([share for share in one["shares"] if share])) for one in rows]
     points: int = max(1, round(sum(one["runs"] for one in rows) / sum(len(one["shares"]) for one in rows)))
     return min(reached) / points

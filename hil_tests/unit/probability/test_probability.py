@@ -37,6 +37,7 @@ class MadeUpBench:
 
     linear: Linear = field(default_factory=lambda: Linear(4.0, 2, sides=2))
     flat: bool = False
+    is_fast: bool = True
 
     def state(self, bench: Bench, scenario: Any) -> Any:
         return MadeUpState(self, len(bench.sides))
@@ -51,11 +52,10 @@ class MadeUpState:
     all_names = ("mass factor", None, "balise 1")
     names = ("mass factor", "balise 1")
     drawn = np.array([0, 2])
-    is_fast = True
     silent = 0
 
     def __init__(self, bench: MadeUpBench, sides: int) -> None:
-        self._bench, self._sides = bench, sides
+        self._bench, self._sides, self.is_fast = bench, sides, bench.is_fast
 
     def whole_draws(self, points: Points) -> Floats:
         found = np.zeros((len(points), 3))
@@ -150,6 +150,14 @@ def test_a_frequent_event_is_counted(bench: MadeUpBench, tmp_path: Path) -> None
     assert made.summary["low"] < bench.linear.p < made.summary["high"]
     assert made.summary["repetitions"] == []
     assert exit_code(made_plan, made) == 0
+
+
+def test_runs_through_the_nodes_are_counted_in_short_parts(bench: MadeUpBench, tmp_path: Path) -> None:
+    bench.linear, bench.is_fast = Linear(1.0, 2), False
+    _, made = probability(tmp_path / "a", says="at stopped stop_error <= 0.05 m", method="brute", max_runs=5_000)
+    assert made.table is not None
+    assert [one["runs"] for one in made.table.to_pylist()] == [200, *[100] * 48], "5000 in all, with those of the noise"
+    assert made.summary["low"] < bench.linear.p < made.summary["high"]
 
 
 def test_an_event_of_every_run_is_counted(bench: MadeUpBench, tmp_path: Path) -> None:
