@@ -123,7 +123,7 @@ def write_suite(folder: Path) -> list[str]:
     :raises InputError: the folder has other files, or cannot be written.
     """
     if folder.is_dir() and not (folder / "suite.json").is_file() and any(folder.iterdir()):
-        raise InputError("command line", "DIR", folder, "a new or empty folder, or a suite to write anew")
+        raise InputError("command line", "DIR", str(folder), "a new or empty folder, or a suite to write anew")
     files = {
         "README.md": _readme(),
         "suite.json": json.dumps(_document(), indent=2) + "\n",

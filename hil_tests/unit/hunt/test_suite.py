@@ -74,7 +74,7 @@ def test_the_suite_is_written_into_a_folder_of_its_own(here: Railhil, tmp_path: 
     assert here("bench-suite", "suite").exit_code == 0
     (tmp_path / "other").mkdir()
     (tmp_path / "other/mine.txt").touch()
-    assert "allowed a new or empty folder" in complaint(here("bench-suite", "other"))
+    assert "found 'other', allowed a new or empty folder" in complaint(here("bench-suite", "other"))
     assert "DIR: none, expected" in complaint(here("bench-suite"))
     (tmp_path / "file").touch()
     assert "file" in complaint(here("bench-suite", "file"))
