@@ -15,7 +15,7 @@ from railhil.batch.case import Case
 from railhil.batch.nodes import batch_of
 from railhil.common.errors import InputError, Words
 from railhil.judge.requirements import syntax
-from railhil.judge.requirements.outcome import judge_requirements
+from railhil.judge.requirements.outcome import SIZE_MIN, judge_requirements
 from railhil.judge.requirements.parser import parse_sentence
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.scores import score_margins
@@ -51,6 +51,10 @@ def sides_of(requirement: Requirement) -> tuple[Requirement, ...]:
     return tuple(replace(requirement, says=says) for says in texts)
 
 
+#: Margin of a run that violates a sentence whose sides are equal.
+_EQUAL = -float(np.finfo(np.float64).tiny)
+
+
 @dataclass(frozen=True)
 class Bench:
     """A perturbed run, and the sides of a requirement. It is sent to workers."""
@@ -75,7 +79,7 @@ class Bench:
         for outcome in outcomes:
             margin = np.inf if outcome.margin is None else outcome.margin
             # A margin of 0 is shown where the sides of a comparison are equal.
-            margins.append(-np.finfo(np.float64).tiny if outcome.violated and margin >= 0 else margin)
+            margins.append(_EQUAL if outcome.violated and margin >= 0 else margin)
         return margins
 
 
@@ -118,6 +122,8 @@ class LimitState:
         if self._runs is not None:
             scores = self._runs.run(draws, chains)
             found = np.stack([margins(scores) for margins in self._of_scores], axis=1)
+            # As through the nodes.
+            found = np.where(np.abs(found) < SIZE_MIN, np.where(found < 0, _EQUAL, 0.0), found)
         else:
             pairs = zip(draws, chains, strict=True)
             found = np.array([self._bench.margins_of(self._bench.run(one, noise)) for one, noise in pairs])

@@ -44,6 +44,18 @@ def test_margins_by_the_batch_are_those_of_the_nodes_to_the_last_digit(tmp_path:
     assert len({tuple(row) for row in margins.tolist()}) == 3
 
 
+@pytest.mark.parametrize(("sign", "is_violated"), [("<=", False), ("<", True)])
+def test_a_margin_at_the_limit_is_that_of_the_nodes(tmp_path: Path, sign: str, is_violated: bool) -> None:
+    plan = plan_of(tmp_path, "at stopped stop_error <= 0 m")
+    points = chained_points(plan, 1, 1)
+    stop_error_m = -plan.state(points)[0, 0]
+    plan = plan_of(tmp_path, f"at stopped stop_error {sign} {stop_error_m:.4f} m")
+    margins = plan.state(points).tolist()
+    (draws,), (noise,) = plan.state.whole_draws(points), points.chains()
+    assert margins == [plan.bench.margins_of(plan.bench.run(draws, noise))]
+    assert (margins[0][0] < 0) is is_violated
+
+
 def test_a_sentence_that_needs_the_record_goes_through_the_nodes(tmp_path: Path) -> None:
     plan = plan_of(tmp_path, "never true_speed > 2 km/h")
     margins = plan.state(chained_points(plan, 2, 1))

@@ -27,7 +27,7 @@ NOT_JUDGED = "not judged"
 #: Unit of a margin over conditions of several dimensions, each divided by its scale.
 SCALED = "scaled"
 #: Margins below this have no size: :data:`LEAST` in another unit, or divided by a scale.
-_SIZE_MIN = LEAST * 2.0**100
+SIZE_MIN = LEAST * 2.0**100
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +201,7 @@ def _number(margin: float) -> float | None:
     """A margin as a number; that of a comparison at its limit is 0."""
     if not math.isfinite(margin):
         return None
-    return 0.0 if abs(margin) < _SIZE_MIN else margin
+    return 0.0 if abs(margin) < SIZE_MIN else margin
 
 
 def _nearest(condition: Bound, grid: Grid) -> int:
