@@ -165,9 +165,11 @@ def write_found(plan: Plan, place: Path, least: Sequence[Least], engine: Engine)
         text = _scenario_file(plan, place, names[-1], one)
         write_synced(place / f"{names[-1]}.toml", text.encode())
     runs: dict[str, _KeptRun] = {}
+    # The folders say what their runs violate, too.
+    base = replace(plan.base, requirements=tuple(one.as_json() for one in plan.requirements))
     for name, one in zip(names, least, strict=True):
-        own = replace(with_draws(plan.base, one.draws), seed=one.shrunk.seed)
-        file = replace(plan.base, seed=one.shrunk.seed, scenario=str(place / f"{name}.toml"))
+        own = replace(with_draws(base, one.draws), seed=one.shrunk.seed)
+        file = replace(base, seed=one.shrunk.seed, scenario=str(place / f"{name}.toml"))
         searched = one.task.requirement if one.task.shrinks and one.shrunk.faults else ""
         runs[name] = _KeptRun(file, plan.requirements, place / name, searched)
         if one.shrunk.faults:

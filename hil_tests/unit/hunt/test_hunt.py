@@ -46,12 +46,15 @@ class MadeUpBench:
     invalid: bool = False
     always: str = ""
     runs: list[tuple[str, ...]] = field(default_factory=list)
+    kept: dict[str, set[str]] = field(default_factory=dict)
 
     def run_case(
         self, base: RunSpec, requirements: Sequence[Any], faults: Sequence[str], seed: int, folder: Path | None = None
     ) -> Judged:
         texts = tuple(faults) or tuple(base.load().faults)
         self.runs.append(texts)
+        if folder is not None:
+            self.kept[folder.name] = {str(one["id"]) for one in base.requirements}
         digest = hashlib.sha256(f"{texts} {seed}".encode()).hexdigest()
         if self.invalid:
             return Judged("INVALID", frames_sha256=digest, detail="made up")
@@ -135,6 +138,14 @@ def test_a_planted_defect_is_found_shrunk_and_repeated_by_its_file(bench: MadeUp
     told = list(lines(made_plan, made.summary, made.folder))
     assert any(line.startswith("INV-4  VIOLATED in ") for line in told)
     assert told[-1] == "FAIL: INV-4 violated. Not found is not absence: 40 runs with this seed."
+
+
+def test_the_runs_that_are_kept_are_judged_by_the_sentences_of_the_hunt(bench: MadeUpBench, tmp_path: Path) -> None:
+    made_plan, _ = hunt(tmp_path / "a", requirements=("ato",))
+    names = {one.id for one in made_plan.requirements}
+    assert len(names) > 10
+    assert {"INV-4-1", "INV-4-1-without"} <= bench.kept.keys()
+    assert all(judged_by == names for judged_by in bench.kept.values())
 
 
 def test_faults_that_changed_nothing_are_left_out_of_a_case_that_violates(bench: MadeUpBench, tmp_path: Path) -> None:
@@ -299,6 +310,7 @@ def test_on_the_bench_the_file_repeats_the_run_over_the_bus(short: Path) -> None
     assert found["frames_sha256"] in repeated.out
     (verdict,) = [line for line in repeated.out.splitlines() if line.startswith("FAIL")]
     assert "CUT" in verdict, "its file has the sentence"
+    assert "requirement CUT" in railhil("score", short / "one/found/CUT-1").out, "so has its folder"
     verified = railhil("hunt", "--verify", short / "one", "--runs", "2")
     assert verified.exit_code == 0, verified.err
     assert "2 of 2 runs are the same on the bench" in verified.out
