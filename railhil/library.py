@@ -80,9 +80,8 @@ _NAMES = {"--set": "settings", "--fault": "faults"}
 
 
 def _is_controller(value: Any) -> bool:
-    if value is None or is_path(value) or isinstance(value, GivenController):
-        return True
-    return callable(value) or hasattr(value, "step")
+    is_given = value is None or is_path(value) or isinstance(value, GivenController)
+    return is_given or callable(value) or hasattr(value, "step")
 
 
 def _is_run(value: Any) -> bool:
@@ -152,8 +151,7 @@ def run(
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
     :param memory: folder with the law's memory from run to run: read at the beginning, updated after a valid run.
-    :param requirements: files of sentences that judge the run, or names of systems; ``requirements`` of the result has
-        what became of each.
+    :param requirements: files of sentences that judge the run, or names of systems.
     :param no_controller: the controller is a board or another program on the bus.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.

@@ -19,7 +19,7 @@ BESIDE = {
     "railhil replay": ("--node", "plant"), "railhil export": ("--csv",), "railhil memory export": ("--out", "x"),
     "railhil export-c": ("ipfc", "--out", "x"), "railhil panel": ("--port", "0"), "railhil new line": ("mine",),
     "railhil learn": ("yizhuang_stop",), "railhil sequence run": ("yizhuang_stop",),
-    "railhil branch": ("--no-return",),
+    "railhil branch": ("--no-return",), "railhil probability": ("--requirement", "A-1"),
 }  # fmt: skip
 
 

@@ -130,20 +130,16 @@ def test_the_runs_of_a_test_are_judged_by_the_sentence_that_it_requires(suite: p
         @pytest.mark.requirement("A-1", requires="never true_speed < 0 km/h")
         def test_kept(bench):
             assert [one.kept for one in bench.run().outcome.requirements.values()] == [True]
-
         @pytest.mark.requirement("A-2", requires="always true_speed <= 1 km/h")
         def test_violated(bench):
             bench.run()
-
         @pytest.mark.requirement("A-3", requires="whenever age(TRN_SPEED) > 64 ms, within 20 ms notch_command <= 0")
         def test_not_shown(bench):
             assert bench.run().passed
-
         @pytest.mark.requirement("A-3", requires="whenever age(TRN_SPEED) > 64 ms, within 20 ms notch_command <= 0")
         def test_shown_by_hand(bench):
             with bench.start(faults=["TRN_SPEED loss @1s for 90ms"]) as live:
                 live.finish()
-
         @pytest.mark.requirement("A-4", requires="never true_speed < 0 km/h")
         def test_without_a_run():
             pass

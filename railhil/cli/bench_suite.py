@@ -21,10 +21,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil bench-suite --score hunts/m02-1 hunts/m02-2",
         ],
     )
-    parser.add_argument("folder", metavar="DIR", nargs="?", type=Path, help="write the suite into this folder")
-    parser.add_argument("--plant", metavar="ID", help="copy the installed railhil with this defect into DIR/planted/ID")
+    parser.add_argument("folder", metavar="FOLDER", nargs="?", type=Path, help="write the suite into this folder")
     parser.add_argument(
-        "--score", metavar="FOLDER", nargs="+", type=Path, help="hunts, or folders with entry.toml: print the table"
+        "--plant", metavar="ID", help="copy the installed railhil with this defect to FOLDER/planted/ID"
+    )
+    parser.add_argument(
+        "--score", metavar="SEARCH", nargs="+", type=Path, help="hunts, or folders with entry.toml: print the table"
     )
     add_json_argument(parser)
     parser.set_defaults(work=work)

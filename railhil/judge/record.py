@@ -189,11 +189,8 @@ class Record:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Parts of the log that were not used, and a difference between the certificate's verdict and the score of the
-        record.
-
-        Another version may have judged otherwise, so this is no error.
-        """
+        """Parts of the log that were not used, and a difference between the certificate's verdict and that of the
+        record. It is no error: another version may have judged otherwise."""
         certified, found = self.certificate.get("verdict"), self.score
         if self.invalid or certified in (None, found.verdict):
             return self.unused

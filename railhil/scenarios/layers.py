@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
 from railhil.faults import FAULT
+from railhil.scenarios.sentence_rows import SENTENCES, list_rows, name_rows
 from railhil.scenarios.settings import FOREIGN, SET, layer
 from railhil.scenarios.tomlfile import parse_toml
 from railhil.scenarios.validation import Keys, join_keys
@@ -42,8 +43,6 @@ COMPLETE = {
 _KEPT = ("extends", "name", "title", "schema_version")
 
 Table = dict[str, Any]
-#: Keys of the sentences that judge the runs.
-SENTENCES = ("requirement", "define")
 #: Keys that change nothing of a run: they explain the scenario, or are for those that make many runs of it.
 _EXPLAINING = (*_KEPT, "assumptions", "published", *SENTENCES, "hunt")
 #: A file and a key in it that is left out; without keys, the whole file except its reference to the base.
@@ -106,10 +105,7 @@ class Layers:
     def merge(self) -> Table:
         """The scenario as one table, references resolved (``extends`` and ``file`` are gone)."""
         result = _merge(self._stack)
-        if isinstance(required := result.get("requirement"), dict):
-            result["requirement"] = [
-                {"id": name, **row} if isinstance(row, dict) else row for name, row in required.items()
-            ]
+        list_rows(result)
         rows = result.get("fault", [])
         if self._faults and isinstance(rows, list):
             result["fault"] = [*rows, *self._faults]
@@ -208,7 +204,7 @@ class Layers:
         return table
 
     def _add_scenario(self, path: Path, table: Table) -> None:
-        _name_requirements(table)
+        name_rows(table)
         for section in self._closed:
             if table.pop(section, None):
                 self._replaced.setdefault(section, self._closed[section])
@@ -293,15 +289,6 @@ def read_toml(path: Path) -> Table:
     """A TOML file as a table. Raises :class:`InputError` when it cannot be read or is not TOML."""
     with refuse_unreadable(path, "TOML 1.0 in UTF-8"):
         return parse_toml(given_text(path))
-
-
-def _name_requirements(table: Table) -> None:
-    """Make the rows of ``requirement`` tables by their ids, which are then merged like others; wrong rows stay."""
-    rows = table.get("requirement")
-    if isinstance(rows, list) and all(isinstance(row, dict) and isinstance(row.get("id"), str) for row in rows):
-        named = {row["id"]: {key: value for key, value in row.items() if key != "id"} for row in rows}
-        if len(named) == len(rows):
-            table["requirement"] = named
 
 
 def _resolve_foreign(path: Path, section: str, table: Table) -> None:

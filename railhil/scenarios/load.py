@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file, short_repr
-from railhil.scenarios.layers import DATA, SENTENCES, Layers, Without, shipped_name, shipped_names, short_name
+from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.sentence_rows import SENTENCES
 from railhil.scenarios.settings import SET
 from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.validation import join_keys

@@ -17,7 +17,7 @@ from railhil.scenarios import options
 from railhil.scenarios.options import add_fmu_options, add_option, add_run_options, named_fmu
 
 #: Modules of commands by name, and those that read options for them.
-_COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan.py", "server.py")
+_COMMANDS = ("command.py", "__main__.py", "sequence_command.py", "cli.py", "vcan.py", "service.py")
 _READERS = ("can_settings.py", "options.py", "command_line.py")
 
 
