@@ -140,8 +140,8 @@ def test_a_run_in_real_time_is_judged_while_it_is_made(chromium: Any, given: Pat
 
 def test_from_here_with_a_fault_on_a_recorded_run(chromium: Any, given: Path, recorded: Path) -> None:
     context, errors = chromium.new_context(), []
+    context.on("weberror", lambda error: errors.append(str(error.error)))
     page = context.new_page()
-    page.on("pageerror", lambda error: errors.append(str(error)))
     with started(given / "recorded.txt", "panel", recorded, "--port", "0", cwd=given) as (_, address):
         page.goto(address)
         said(page, "#requirements", "A-4")
@@ -166,8 +166,6 @@ def test_from_here_with_a_fault_on_a_recorded_run(chromium: Any, given: Path, re
         assert page.inner_text("#branch-answer") == ""
         with context.expect_page() as opened:
             page.click("#branches a")
-        opened.value.on("pageerror", lambda error: errors.append(str(error)))
-        opened.value.reload()
         assert "TRN_SPEED loss" in said(opened.value, "body", "Requirements")
         made = given / page.inner_text("#branches code")
         assert json.loads((made / "certificate.json").read_text())["branched_from"]["instant_s"] == pytest.approx(
