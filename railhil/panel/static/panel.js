@@ -1,7 +1,7 @@
 // The live panel: one WebSocket to the server that has served this page, nothing else.
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
-import { FaultForm } from "./fault_form.js";
+import { Orders } from "./orders.js";
 import { Line } from "./line.js";
 import { showRequirements } from "./requirements.js";
 import { BranchForm } from "./branch.js";
@@ -12,7 +12,7 @@ const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
   header: null, layout: null, stores: [], curves: null, line: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false,
-  learning: [], socket: null, token: "", pending: false, answers: new Map(), number: 0,
+  learning: [], socket: null, pending: false,
 };
 
 // The token stands behind # and is not sent with the request; the address bar forgets it, this tab does not.
@@ -23,7 +23,7 @@ function readHash() {
     hash.delete("token");
     history.replaceState(null, "", hash.size ? `#${hash}` : location.pathname);
   }
-  page.token = sessionStorage.getItem("railhil-token") ?? "";
+  orders.token = sessionStorage.getItem("railhil-token") ?? "";
   const instant = Number.parseFloat(hash.get("t") ?? "");
   return Number.isFinite(instant) ? instant : null;
 }
@@ -45,18 +45,11 @@ function connected(is) {
   const box = byId("connection");
   box.className = is ? "good" : "bad";
   box.textContent = is ? `● connected${counters.closed ? " again" : ""}` : "✕ connection lost, trying again";
-  if (!is) { page.state = null; showDesk(); }
+  if (!is) { page.state = null; orders.show(null); }
 }
 
 function send(document) {
   if (page.socket?.readyState === WebSocket.OPEN) page.socket.send(JSON.stringify(document));
-}
-
-function order(document, said) {
-  page.number += 1;
-  page.answers.set(page.number, said);
-  byId("answer").textContent = "";
-  send({ token: page.token, id: page.number, ...document });
 }
 
 // ---- what arrives
@@ -71,22 +64,13 @@ function take(message) {
   }
   if (message.state) { page.state = message.state; showState(message.state); }
   if (message.frames) showList(message);
-  if (message.kinds) form.take(message.kinds);
+  if (message.kinds) orders.form.take(message.kinds);
   if (message.requirements) showRequirements(byId("judged"), message.requirements, pick);
   if (message.branches) branches.take(message);
   if (message.learning) showLearning(message.learning);
-  if (message.refused) answered(message.refused);
-  if (message.answer) {
-    const said = page.answers.get(message.answer.answer);
-    answered(message.answer.refused, said);
-  }
-}
-
-function answered(refused, said = "") {
-  if (page.header.branches) { branches.say(refused); return; }
-  const box = byId("answer");
-  box.className = refused ? "bad" : "";
-  box.textContent = refused ? `✕ ${refused}` : said ? `✓ ${said}` : "";
+  // Who asks for a branch has no other orders.
+  if (message.refused) (page.header.branches ? branches : orders).say(message.refused);
+  if (message.answer) orders.answer(message.answer);
 }
 
 function begin(header) {
@@ -95,7 +79,7 @@ function begin(header) {
   page.stores = header.runs.map(() => new Store(header.layout.columns.length, header.layout.position));
   byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
   document.title = `${header.runs[0].name} - railhil`;
-  byId("desk").hidden = !header.commands;
+  orders.begin(header);
   byId("judged").hidden = true;
   branches.begin(header);
   byId("frames-of").hidden = header.kind !== "live";
@@ -189,7 +173,7 @@ function showState(state) {
   const said = [trouble, ...state.notices].filter(Boolean);
   notice.hidden = !said.length;
   notice.replaceChildren(...said.map((text) => element("span", {}, text)));
-  showDesk();
+  orders.show(operator);
 }
 
 function showList(message) {
@@ -214,76 +198,12 @@ function watch(id) {
   send({ watch: page.watched });
 }
 
-// ---- orders
+// ---- controls
 
-const EMERGENCY = "safety_loop off";
-// What railhil run --catalogue has prepared.
-const CATALOGUED = / @manual .*\bcombine id (\S+)$/;
-const shortFault = (text) => text.replace(" @manual", "").replace(/ combine( id \S+)?$/, "");
+const orders = new Orders(send);
 
-// The duration that is typed, for a fault that is injected now.
-function duration() {
-  const text = byId("lasts").value.trim();
-  return text ? { for_s: Number(text) } : {};
-}
+const branches = new BranchForm(byId("branch"), (asked) => orders.order(asked, ""));
 
-function showDesk() {
-  const operator = page.state?.operator, phase = operator?.phase ?? "", faults = operator?.faults ?? [];
-  const emergency = faults.findIndex((text) => text.startsWith(EMERGENCY)) + 1;
-  const runs = phase === "running" || phase === "paused", may = (id, on, why) => {
-    byId(id).disabled = !on;
-    if (why !== undefined) byId(id).title = why;
-  };
-  may("start", phase === "waiting" || phase === "paused");
-  may("pause", phase === "running" && operator.lockstep,
-    operator && !operator.lockstep ? "in real time nothing can stand still" : "pause (P)");
-  may("stop", runs);
-  may("emergency", runs && emergency > 0, emergency ? "open the safety loop (E)" : "no safety loop is prepared in this run");
-  may("reset", runs && emergency > 0);
-  may("pace", runs && operator.lockstep);
-  byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
-  const prepared = faults.map((text, at) => [text, at + 1]).filter(([text]) => CATALOGUED.test(text));
-  const can = phase === "waiting" || (runs && prepared.length > 0);
-  may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
-  byId("add").textContent = runs ? "Inject" : "Add";
-  byId("fault").disabled = byId("lasts").disabled = !can;
-  byId("own").hidden = !can;
-  if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
-  const box = byId("faults"), active = operator?.active ?? [], manual = faults.map((text, at) => [text, at + 1])
-    .filter(([text, at]) => text.includes("@manual") && at !== emergency && (!CATALOGUED.test(text) || active.includes(at)));
-  const sending = operator?.sending ?? [], key = JSON.stringify([manual, runs, faults.length, sending]);
-  if (box.dataset.key === key) return;
-  box.dataset.key = key;
-  byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
-  box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
-    const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
-      what === "inject" ? `⚡ ${short}` : sending.includes(number) ? `clear ${short} (being sent)` : `clear ${short}`);
-    button.disabled = !runs;
-    button.addEventListener("click", () => order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
-    return button;
-  })));
-}
-
-const form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
-
-const branches = new BranchForm(byId("branch"), (asked) => order(asked, ""));
-
-function emergencyNumber() {
-  return (page.state?.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
-}
-
-byId("start").addEventListener("click", () => order({ do: "start" }, "start"));
-byId("pause").addEventListener("click", () => order({ do: "pause" }, "pause"));
-byId("stop").addEventListener("click", () => order({ do: "stop" }, "stop"));
-byId("emergency").addEventListener("click", () => order({ do: "inject", fault: emergencyNumber() }, "emergency"));
-byId("reset").addEventListener("click", () => order({ do: "clear", fault: emergencyNumber() }, "reset"));
-byId("pace").addEventListener("change", () => order({ do: "pace", pace: Number(byId("pace").value) }, "pace"));
-byId("desk").addEventListener("submit", (event) => {
-  event.preventDefault();
-  const { for_s: lasts } = duration(), typed = byId("fault").value.trim();
-  const text = lasts === undefined || / for /.test(typed) ? typed : `${typed} for ${lasts}s`;
-  order({ do: "fault", text }, text);
-});
 byId("instant").addEventListener("input", () => pick(Number(byId("instant").value)));
 byId("live").addEventListener("click", () => pick(null));
 byId("whole").addEventListener("click", () => { page.curves.whole(); page.curves.touch(); });

@@ -1,0 +1,101 @@
+// The operator's orders: start, pause, stop, pace, the safety loop, and faults. Each ends as a SUP_CMD on the bus.
+import { FaultForm } from "./fault_form.js";
+import { element } from "./gauges.js";
+
+const byId = (id) => document.getElementById(id);
+const EMERGENCY = "safety_loop off";
+// What railhil run --catalogue has prepared.
+const CATALOGUED = / @manual .*\bcombine id (\S+)$/;
+const shortFault = (text) => text.replace(" @manual", "").replace(/ combine( id \S+)?$/, "");
+
+// The duration that is typed, for a fault that is injected now.
+function duration() {
+  const text = byId("lasts").value.trim();
+  return text ? { for_s: Number(text) } : {};
+}
+
+export class Orders {
+  // send: called with a message for the server.
+  constructor(send) {
+    Object.assign(this, { send, token: "", number: 0, answers: new Map(), operator: null });
+    this.form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
+    byId("start").addEventListener("click", () => this.order({ do: "start" }, "start"));
+    byId("pause").addEventListener("click", () => this.order({ do: "pause" }, "pause"));
+    byId("stop").addEventListener("click", () => this.order({ do: "stop" }, "stop"));
+    byId("emergency").addEventListener("click", () => this.order({ do: "inject", fault: this.emergency }, "emergency"));
+    byId("reset").addEventListener("click", () => this.order({ do: "clear", fault: this.emergency }, "reset"));
+    byId("pace").addEventListener("change", () => this.order({ do: "pace", pace: Number(byId("pace").value) }, "pace"));
+    byId("desk").addEventListener("submit", (event) => {
+      event.preventDefault();
+      const { for_s: lasts } = duration(), typed = byId("fault").value.trim();
+      const text = lasts === undefined || / for /.test(typed) ? typed : `${typed} for ${lasts}s`;
+      this.order({ do: "fault", text }, text);
+    });
+  }
+
+  begin(header) { byId("desk").hidden = !header.commands; }
+
+  // said: what the page says when the order is taken.
+  order(document, said) {
+    this.number += 1;
+    this.answers.set(this.number, said);
+    byId("answer").textContent = "";
+    this.send({ token: this.token, id: this.number, ...document });
+  }
+
+  answer({ answer, refused }) { this.say(refused, this.answers.get(answer)); }
+
+  say(refused, said = "") {
+    const box = byId("answer");
+    box.className = refused ? "bad" : "";
+    box.textContent = refused ? `✕ ${refused}` : said ? `✓ ${said}` : "";
+  }
+
+  // Number of the fault that opens the safety loop; 0: there is none.
+  get emergency() {
+    return (this.operator?.faults ?? []).findIndex((text) => text.startsWith(EMERGENCY)) + 1;
+  }
+
+  // operator: the supervisor's report; null or undefined: none is known.
+  show(operator) {
+    this.operator = operator;
+    const phase = operator?.phase ?? "", faults = operator?.faults ?? [], emergency = this.emergency;
+    const runs = phase === "running" || phase === "paused", may = (id, on, why) => {
+      byId(id).disabled = !on;
+      if (why !== undefined) byId(id).title = why;
+    };
+    may("start", phase === "waiting" || phase === "paused");
+    may("pause", phase === "running" && operator.lockstep,
+      operator && !operator.lockstep ? "in real time nothing can stand still" : "pause (P)");
+    may("stop", runs);
+    may("emergency", runs && emergency > 0, emergency ? "open the safety loop (E)" : "no safety loop is prepared in this run");
+    may("reset", runs && emergency > 0);
+    may("pace", runs && operator.lockstep);
+    byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
+    const prepared = faults.map((text, at) => [text, at + 1]).filter(([text]) => CATALOGUED.test(text));
+    const can = phase === "waiting" || (runs && prepared.length > 0);
+    may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
+    byId("add").textContent = runs ? "Inject" : "Add";
+    byId("fault").disabled = byId("lasts").disabled = !can;
+    byId("own").hidden = !can;
+    if (operator?.pace !== undefined && document.activeElement !== byId("pace")) byId("pace").value = String(operator.pace);
+    this.#showFaults(faults, prepared, runs);
+  }
+
+  #showFaults(faults, prepared, runs) {
+    const box = byId("faults"), active = this.operator?.active ?? [], sending = this.operator?.sending ?? [];
+    const manual = faults.map((text, at) => [text, at + 1]).filter(([text, at]) => text.includes("@manual")
+      && at !== this.emergency && (!CATALOGUED.test(text) || active.includes(at)));
+    const key = JSON.stringify([manual, runs, faults.length, sending]);
+    if (box.dataset.key === key) return;
+    box.dataset.key = key;
+    byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
+    box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
+      const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
+        what === "inject" ? `⚡ ${short}` : sending.includes(number) ? `clear ${short} (being sent)` : `clear ${short}`);
+      button.disabled = !runs;
+      button.addEventListener("click", () => this.order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
+      return button;
+    })));
+  }
+}
