@@ -193,6 +193,8 @@ def test_the_page_may_load_nothing_from_elsewhere():
             "gauges.js",
             "charts.js",
             "uPlot.iife.min.js",
+            "gridstack-all.js",
+            "gridstack.min.css",
         ):
             answer = await asyncio.to_thread(fetched, path)
             assert answer.headers["Content-Security-Policy"].startswith("default-src 'self';")

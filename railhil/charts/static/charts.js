@@ -11,11 +11,12 @@
      title, unit,                    above the chart: "title (unit)"; both may be empty
      x: {label, unit, range},        of the horizontal axis; range: [low, high] without a zoom, otherwise that of the data
      lines: [{at, name}],            named lines across the chart, x ascending; a name without room is left out
-     series: [{label, unit, colour, dash, width, step, show, names, within}]
+     series: [{label, unit, colour, dash, width, step, show, names, within, end, filled}]
                                      colour: place in the palette or "target"; dash: in px; step: hold each value until the next;
                                      names: words for the values 0, 1, 2 ... (a level, a flag)
                                      within: how far at most the curve is from the line between two of its points
-     height,                         px of the drawing, without title and legend
+                                     end: word at the last value; filled: the area to 0
+     height,                         px of the drawing, without title and legend; "fill": what the parent has left
      sync,                           charts with the same word share cursor and zoom
      y: [low, high],                 fixed scale: cheaper, for streams
      markers: [{at, until, text, fault}]   events: instants, or spans if until is given
@@ -37,7 +38,7 @@
    left and right move the cursor, with shift the view. */
 "use strict";
 const railhilCharts = (() => {
-  const FONT = "12px system-ui, sans-serif", AXIS_PX = 56, NEAR_PX = 6, ROW_PX = 38, AXES_PX = 62;
+  const FONT = "12px system-ui, sans-serif", AXIS_PX = 56, NEAR_PX = 6, ROW_PX = 38, AXES_PX = 62, HEIGHT_MIN_PX = 80;
   const every = new Set();
   const dark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -45,7 +46,9 @@ const railhilCharts = (() => {
   const shown = value => value == null || Number.isNaN(value) ? "-" : String(Number(value.toPrecision(7)));
   const group = chart => chart.sync ? [...every].filter(other => other.sync === chart.sync) : [chart];
 
-  function redrawAll() { for (const chart of every) chart.plot.redraw(false); }
+  // A chart without a value has no axes yet.
+  function redraw(chart) { if (chart.plot.scales.x.min != null) chart.plot.redraw(false); }
+  function redrawAll() { for (const chart of every) redraw(chart); }
   dark.addEventListener("change", redrawAll);
   function setTheme(name) {
     if (name) document.documentElement.dataset.theme = name;
@@ -165,6 +168,35 @@ const railhilCharts = (() => {
     ctx.restore();
   }
 
+  // The words at the ends of the curves, apart from each other: a colour alone tells nobody which one it is.
+  function drawEnds({plot}) {
+    const {ctx, bbox} = plot, ratio = devicePixelRatio, {min, max} = plot.scales.x, xs = plot.data[0], room = 13 * ratio;
+    const ends = plot.series.flatMap((series, number) => {
+      if (!series.rcEnd || !series.show) return [];
+      const ys = plot.data[number];
+      let at = ys.length - 1;
+      while (at >= 0 && (ys[at] == null || Number.isNaN(ys[at]) || xs[at] > max)) at--;
+      return at < 0 || xs[at] < min ? [] : [{series, x: plot.valToPos(xs[at], "x", true), y: plot.valToPos(ys[at], "y", true)}];
+    }).sort((one, other) => one.y - other.y);
+    ctx.save();
+    ctx.font = `600 ${12 * ratio}px system-ui, sans-serif`;
+    ctx.textBaseline = "bottom";
+    ctx.lineWidth = 3 * ratio;
+    ctx.lineJoin = "round";
+    ctx.strokeStyle = colour("paper");
+    let above = bbox.top;
+    // What is too low stands higher, and pushes the others up.
+    const tops = ends.map(({y}) => (above = Math.max(above + room, y - 2 * ratio)));
+    for (let at = tops.length - 1, low = bbox.top + bbox.height; at >= 0; at--, low -= room) tops[at] = low = Math.min(low, tops[at]);
+    ends.forEach(({series, x}, at) => {
+      const fits = x + 6 * ratio + ctx.measureText(series.rcEnd).width <= bbox.left + bbox.width;
+      ctx.textAlign = fits ? "left" : "right";
+      ctx.fillStyle = colour(series.rcColour);
+      for (const draw of ["strokeText", "fillText"]) ctx[draw](series.rcEnd, fits ? x + 5 * ratio : bbox.left + bbox.width - 3 * ratio, tops[at]);
+    });
+    ctx.restore();
+  }
+
   function tell(chart) {
     const {plot, markers, tip} = chart, left = plot.cursor.left;
     const near = left < 0 ? [] : markers.filter(marker => Math.abs(plot.valToPos(marker.at, "x") - left) <= NEAR_PX);
@@ -230,6 +262,8 @@ const railhilCharts = (() => {
       rcNames: item.names ?? [],
       rcStep: asTrack || item.step,
       rcColour: name,
+      rcEnd: item.end,
+      ...(item.filled && {fill: () => colour("line"), fillTo: 0}),
     };
   }
 
@@ -246,7 +280,8 @@ const railhilCharts = (() => {
     parent.append(element);
     const chart = {element, tip, sync: description.sync, markers: description.markers ?? [], lines: description.lines ?? [],
                    places: []};
-    const height = description.height ?? (asTrack ? AXES_PX + ROW_PX * description.series.length : 200);
+    const fills = description.height === "fill";
+    const height = fills ? HEIGHT_MIN_PX : description.height ?? (asTrack ? AXES_PX + ROW_PX * description.series.length : 200);
     const axis = {
       stroke: () => colour("dim"), grid: {stroke: () => colour("line"), width: 1}, font: FONT, labelFont: FONT,
       ticks: {stroke: () => colour("line"), width: 1, size: 4}, values: digits,
@@ -293,7 +328,7 @@ const railhilCharts = (() => {
         bind: {dblclick: () => () => { handle.zoom(); return null; }},
       },
       hooks: {
-        draw: [() => { drawMarkers(chart); drawLines(chart); if (asTrack) drawTracks(chart); }],
+        draw: [() => { drawMarkers(chart); drawLines(chart); drawEnds(chart); if (asTrack) drawTracks(chart); }],
         setCursor: [() => tell(chart)],
         setSelect: [plot => {
           const {left, width} = plot.select;
@@ -319,11 +354,11 @@ const railhilCharts = (() => {
           if (chart.zoomed) chart.plot.redraw();
         });
       },
-      setMarkers(markers) { chart.markers = markers; chart.plot.redraw(false); },
+      setMarkers(markers) { chart.markers = markers; redraw(chart); },
       setPlaces(places) {
         if (String(places) === String(chart.places)) return;
         chart.places = places;
-        chart.plot.redraw(false);
+        redraw(chart);
       },
       show(index, on) { chart.plot.setSeries(index + 1, {show: on}); },
       zoom(low, high) {
@@ -349,10 +384,13 @@ const railhilCharts = (() => {
     };
     every.add(chart);
     const watch = new ResizeObserver(() => {
-      const width = element.clientWidth;
-      if (width > 0 && width !== chart.plot.width) chart.plot.setSize({width, height});
+      const {plot} = chart, width = element.clientWidth;
+      // Title and legend keep their room.
+      const wanted = fills ? Math.max(HEIGHT_MIN_PX, parent.clientHeight - (element.offsetHeight - plot.height)) : height;
+      if (width > 0 && (width !== plot.width || wanted !== plot.height)) plot.setSize({width, height: wanted});
     });
     watch.observe(element);
+    if (fills) watch.observe(parent);
     reach(chart, handle);
     return handle;
   }
@@ -363,6 +401,11 @@ const railhilCharts = (() => {
     const around = (x, factor) => {
       const [low, high] = handle.range();
       handle.zoom(x - (x - low) * factor, x + (high - x) * factor);
+    };
+    // The next point on one side that is shown.
+    const beside = (x, side) => {
+      const xs = Array.from(plot.data[0]), near = (plot.scales.x.max - plot.scales.x.min) / plot.over.clientWidth / 2;
+      return (side > 0 ? xs.find(one => one > x + near) : xs.findLast(one => one < x - near)) ?? x;
     };
     const at = event => plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x");
     plot.over.addEventListener("wheel", event => {
@@ -395,7 +438,7 @@ const railhilCharts = (() => {
       const now = plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : (low + high) / 2;
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (side && event.shiftKey) handle.zoom(low + side * (high - low) / 10, high + side * (high - low) / 10);
-      else if (side) handle.cursor(Math.min(Math.max(now + side * (high - low) / 200, low), high));
+      else if (side) handle.cursor(beside(now, side));
       else if (event.key === "+" || event.key === "=") around(now, .5);
       else if (event.key === "-") around(now, 2);
       else if (event.key === "0") handle.zoom();
