@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import struct
+from datetime import datetime
 from pathlib import Path
+from types import SimpleNamespace
 
 import can
 import numpy as np
@@ -16,12 +18,13 @@ from hil_tests.support.cli import Done, Railhil
 from railhil.bus.frame import from_message
 from railhil.bus.ros2 import ros_name
 from railhil.dbc import wire_contract
-from railhil.record.framelog import read_log
+from railhil.record.framelog import log_sha256, read_log
 from railhil.record.trace import trace_of
+from railhil.report.files.content import Content
 
 START = "2026-11-22T18:42:55+01:00"
 START_S = 1_795_369_375
-FILES = ("run.mf4", "run.mcap", "run.parquet", "run.csv", "run.blf")
+FILES = ("run.mf4", "run.mcap", "run.parquet", "telegrams.parquet", "run.csv", "run.blf", "run.asc")
 #: Short runs of every shipped system.
 RUNS = {
     "ato": (
@@ -65,13 +68,16 @@ def _same_as_printed(found: npt.NDArray[np.float64], printed: npt.NDArray[np.flo
 @pytest.mark.slow
 def test_two_exports_are_equal(here: Railhil, run: railhil.Outcome, monkeypatch: pytest.MonkeyPatch) -> None:
     import asammdf.blocks.v4_blocks as blocks
+    import can.io.asc
 
-    words = ("--mf4", "--mcap", "--parquet", "--csv", "--blf")
+    words = ("--mf4", "--mcap", "--parquet", "--telegrams", "--csv", "--blf", "--asc")
     place = _export(here, run, *words)
     first = {name: (place / name).read_bytes() for name in FILES}
     # A minute later.
     now = blocks.time.time()
     monkeypatch.setattr(blocks.time, "time", lambda: now + 60)
+    later = SimpleNamespace(now=lambda: datetime.fromtimestamp(now + 60), fromtimestamp=datetime.fromtimestamp)
+    monkeypatch.setattr(can.io.asc, "datetime", later)
     _export(here, run, *words)
     assert {name: (place / name).read_bytes() == content for name, content in first.items()} == dict.fromkeys(
         FILES, True
@@ -101,6 +107,8 @@ def test_mf4_is_read_by_asammdf_and_python_can(here: Railhil, run: railhil.Outco
             found = file.get(name, group=places["signals"])
             _same_as_printed(found.samples, columns[name])
             assert found.unit == run.signals.units[name]
+            (commented,) = [one for one in file.groups[places["signals"]].channels if one.name == name]
+            assert commented.comment == found.comment == Content(run).comments[name] != ""
         (attached,) = {bytes(attachment.extract()) for attachment in file.attachments}
         assert attached == (run.folder / "railhil.dbc").read_bytes()
     with MDF(path, process_bus_logging=False) as file:
@@ -199,6 +207,29 @@ def test_tables_have_values_units_and_certificate(here: Railhil, run: railhil.Ou
     assert instants[0].isoformat() == "2026-11-22T17:42:55+00:00"
 
 
+def test_each_telegram_is_a_row_of_parquet(here: Railhil, run: railhil.Outcome) -> None:
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(_export(here, run, "--telegrams") / "telegrams.parquet")
+    assert table.schema.metadata[b"railhil.frames_sha256"].decode() == run.frames_sha256
+    ports, times_s = np.array(table["port"].to_pylist()), table["time_s"].to_numpy()
+    trace = run.trace
+    assert len(table) == sum(trace.count(port.name) for port in trace.contract.ports)
+    for port in trace.contract.ports:
+        own = ports == port.name
+        np.testing.assert_array_equal(np.flatnonzero(own), trace.order(port.name))
+        np.testing.assert_array_equal(times_s[own], trace.times_s(port.name))
+        for signal in port.signals if own.any() else ():
+            column, field = table[f"{port.name}.{signal.name}"], table.schema.field(f"{port.name}.{signal.name}")
+            assert column.null_count == len(table) - own.sum()
+            np.testing.assert_array_equal(column.filter(own).to_numpy(), trace.values(port.name, signal.name))
+            assert (field.metadata[b"unit"].decode(), field.metadata[b"comment"].decode()) == (
+                signal.unit, signal.comment
+            )  # fmt: skip
+            words = json.loads(field.metadata.get(b"values", b"{}"))
+            assert words == {str(value): word for value, word in signal.values.items()}
+
+
 def test_blf_begins_at_the_start(here: Railhil, run: railhil.Outcome) -> None:
     messages = list(can.LogReader(_export(here, run, "--blf") / "run.blf"))
     logged = list(read_log(run.folder / "frames.log"))
@@ -206,6 +237,22 @@ def test_blf_begins_at_the_start(here: Railhil, run: railhil.Outcome) -> None:
     assert [message.timestamp - START_S for message in messages] == pytest.approx(
         [time_ns / 1e9 for time_ns, _ in logged], abs=2e-6
     )
+
+
+def test_asc_is_read_by_python_can_and_by_us(here: Railhil, run: railhil.Outcome) -> None:
+    path = _export(here, run, "--asc") / "run.asc"
+    messages = list(can.LogReader(path))
+    logged = list(read_log(run.folder / "frames.log"))
+    assert [from_message(message) for message in messages] == [frame for _, frame in logged]
+    assert [round(message.timestamp * 1e6) for message in messages] == [time_ns // 1000 for time_ns, _ in logged]
+    # Its times are those of the run, whenever that began.
+    assert log_sha256(path) == run.frames_sha256
+    head = path.read_text().splitlines()[:9]
+    assert head[0] == "date Sun Nov 22 17:42:55.000 2026"
+    assert f"// railhil frames_sha256: {run.frames_sha256}" in head
+    (run.folder / "RUN.ASC").write_bytes(path.read_bytes())
+    assert here("score", run.folder / "RUN.ASC", "--json").out == here("score", run.folder, "--json").out
+    (run.folder / "RUN.ASC").unlink()
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +281,10 @@ def test_one_format_can_be_given_its_file(here: Railhil, one: railhil.Outcome) -
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "command line: format: missing, expected one or more of --mf4, --mcap, --parquet, --csv, --blf"),
+        (
+            (),
+            "command line: format: missing, expected one or more of --mf4, --mcap, --parquet, --telegrams, --csv",
+        ),
         (("--blf",), "--blf: no --start"),
         (
             ("--csv", "--start", "2026-11-22T18:42:55"),
@@ -265,7 +315,6 @@ def test_frames_of_every_kind_come_back_from_mf4(one: railhil.Outcome, tmp_path:
     from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
     from railhil.judge.record import Record
     from railhil.record.framelog import log_line
-    from railhil.report.files.content import Content
     from railhil.report.files.mf4_file import write_mf4
 
     frames = [

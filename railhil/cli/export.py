@@ -32,8 +32,12 @@ _FORMATS = {
     "mf4": _Format("mf4_file:write_mf4", "mdf", "run.mf4", "ASAM MDF 4.11: frames, decoded telegrams, signals"),
     "mcap": _Format("mcap_file:write_mcap", "mcap", "run.mcap", "MCAP: telegrams and signals as ROS 2 messages"),
     "parquet": _Format("parquet_file:write_parquet", "parquet", "run.parquet", "Parquet: signals with units"),
+    "telegrams": _Format(
+        "parquet_file:write_telegrams", "parquet", "telegrams.parquet", "Parquet: each telegram with its signals"
+    ),
     "csv": _Format("csv_file:write_csv", "", "run.csv", "CSV: signals, with certificate and units"),
-    "blf": _Format("blf_file:write_blf_file", "", "run.blf", "BLF: frames, with the times of --start"),
+    "blf": _Format("frames_file:write_blf_file", "", "run.blf", "BLF: frames, with the times of --start"),
+    "asc": _Format("frames_file:write_asc", "", "run.asc", "Vector ASC: frames, with the times of the run"),
 }
 
 
@@ -102,6 +106,11 @@ def _places(out: str | None, folder: Path, wanted: list[str]) -> dict[str, Path]
     if out is not None and not out.strip():
         raise InputError("command line", "--out", out, "name of a folder or file")
     place = folder if out is None else Path(out)
-    if out is not None and len(wanted) == 1 and place.suffix == f".{wanted[0]}" and not place.is_dir():
+    if (
+        out is not None
+        and len(wanted) == 1
+        and not place.is_dir()
+        and place.suffix.lower() == Path(_FORMATS[wanted[0]].file).suffix
+    ):
         return {wanted[0]: place}
     return {name: place / _FORMATS[name].file for name in wanted}

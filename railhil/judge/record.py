@@ -294,7 +294,7 @@ def log_path(text: str) -> Path:
     log = folder / "frames.log" if folder.is_dir() else path
     if not log.is_file():
         found = Words("does not exist" if not log.exists() else "is no regular file")
-        raise InputError(log, "", found, "a candump log, a BLF of one, or a run folder with frames.log")
+        raise InputError(log, "", found, "a candump log, a BLF or ASC of one, or a run folder with frames.log")
     return log
 
 

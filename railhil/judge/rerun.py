@@ -16,11 +16,10 @@ from railhil.judge.events.event import EVENTS, write_events
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.record import Record, checked_record
 from railhil.judge.signals import write_signals
-from railhil.record.blf_reader import read_blf
 from railhil.record.blf_writer import start_ns, write_blf
 from railhil.record.difference import first_difference
 from railhil.record.documents import CERTIFICATE, read_certificate
-from railhil.record.framelog import BLF_SUFFIX, log_sha256, read_log
+from railhil.record.framelog import log_sha256, read_log
 from railhil.record.hash_list import HASH_LIST
 from railhil.scenarios.given import NO_CODE, NamedCode
 from railhil.scenarios.model import AnyScenario
@@ -81,7 +80,7 @@ def certified_run(text: str, code: NamedCode = NO_CODE) -> CertifiedRun:
 
 
 def _logs(folder: Path) -> tuple[Path, ...]:
-    return folder / "frames.log", folder / f"frames{BLF_SUFFIX}"
+    return folder / "frames.log", folder / BLF
 
 
 def repeatable(run: CertifiedRun) -> None:
@@ -178,7 +177,7 @@ def blf_difference(record: Record) -> str:
     # Another library may have compressed the same frames.
     first = start_ns(next(read_log(record.log))[0])
     logged = ((time_ns - first, frame) for time_ns, frame in read_log(record.log))
-    found = first_difference(logged, read_blf(path), record.trace.contract, record.trace.contract)
+    found = first_difference(logged, read_log(path), record.trace.contract, record.trace.contract)
     return "" if found is None else f"{BLF}: other frames than {record.log.name}: {found.sentence}"
 
 

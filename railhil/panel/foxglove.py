@@ -135,10 +135,7 @@ class FoxgloveBridge:
             self._accepted[port.name] = accepted
             if new <= 0:
                 continue
-            columns = [
-                (trace.raw if item.scale == 1 else trace.values)(port.name, item.name)[-new:].tolist()
-                for item in port.signals
-            ]
+            columns = [trace.numbers(port.name, item.name)[-new:].tolist() for item in port.signals]
             for time_ns, *row in zip(trace.times_ns(port.name)[-new:], *columns, strict=True):
                 self._publish(number, time_ns, self._messages[number].packed(row))
 

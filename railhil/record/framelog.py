@@ -23,9 +23,9 @@ from railhil.bus.hub.columns import PACKED
 from railhil.bus.own_frames import OwnFrames
 from railhil.bus.packing import SFF_MASK
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import refuse_unreadable
 from railhil.dbc import Contract
 from railhil.record.log_columns import ClassicColumns, classic_columns, plain_lines
+from railhil.record.log_files import is_candump, opened_log
 
 #: Channel name in the log, the same for every transport.
 CHANNEL: Final = "mvb0"
@@ -41,7 +41,7 @@ _TIME_MAX_NS: Final = (1 << 63) - 1
 _LINE_MAX_BYTES: Final = 1024
 #: Part of a log that is read at once.
 _PART_BYTES: Final = 1 << 20
-BLF_SUFFIX: Final = ".blf"
+_ALLOWED: Final = "a candump log with at least one frame"
 #: Standard identifiers as formatted in the log.
 _STANDARD: Final = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -245,9 +245,11 @@ def sha256_of(path: Path) -> str:
 
 
 def log_sha256(path: Path) -> str:
-    """SHA-256 of a record as in its certificate: the hash of the candump log, also for the BLF made from it."""
-    if path.suffix != BLF_SUFFIX:
-        return sha256_of(path)
+    """SHA-256 of a record as in its certificate: the hash of the candump log, also for a file made from it."""
+    if is_candump(path):
+        with opened_log(path, _ALLOWED) as stream:
+            # gzip's file has what is needed; its type does not say so.
+            return hashlib.file_digest(cast(BytesIO, stream), "sha256").hexdigest()
     digest = hashlib.sha256()
     for time_ns, frame in read_log(path):
         digest.update(log_line(time_ns, frame).encode("ascii"))
@@ -264,17 +266,17 @@ def telegrams_sha256(path: Path, contract: Contract) -> str:
 
 
 def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
-    """Frames ``(time_ns, frame)`` of a candump log or of the BLF made from it, in bus order.
+    """Frames ``(time_ns, frame)`` of a candump log, or of a BLF or ASC file, in bus order; each may be packed by gzip.
 
     :raises InputError: unreadable file, a line that is not a candump line, a file that ends inside a line, an invalid
-        BLF.
+        BLF or ASC.
     """
-    if path.suffix != BLF_SUFFIX:
+    if is_candump(path):
         return _read_candump(path)
     # It loads python-can, which the other functions do not need.
-    from railhil.record.blf_reader import read_blf
+    from railhil.record.message_files import read_messages
 
-    return read_blf(path)
+    return read_messages(path)
 
 
 def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame]]]:
@@ -282,10 +284,7 @@ def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame
 
     :raises InputError: as :func:`read_log`, also while such a part is read.
     """
-    allowed = "a candump log with at least one frame"
-    with refuse_unreadable(path, allowed):
-        stream = path.open("rb")
-    with stream:
+    with opened_log(path, _ALLOWED) as stream:
         number = 0
         channels = _Channels(path)
         while part := stream.read(_PART_BYTES):
@@ -298,7 +297,7 @@ def log_parts(path: Path) -> Iterator[ClassicColumns | Iterator[tuple[int, Frame
                 yield columns
             number += part.count(b"\n")
         if number == 0:
-            raise InputError(path, "", Words("is empty"), allowed)
+            raise InputError(path, "", Words("is empty"), _ALLOWED)
 
 
 def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:

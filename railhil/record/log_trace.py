@@ -17,8 +17,9 @@ from railhil.bus.mvb import CHECK_TABLES, master_tail
 from railhil.bus.store import ASSEMBLY_NS
 from railhil.common.arrays import distinct
 from railhil.dbc import Contract, Port
-from railhil.record.framelog import BLF_SUFFIX, log_parts, read_log, timed_frames
+from railhil.record.framelog import log_parts, read_log, timed_frames
 from railhil.record.log_columns import ClassicColumns
+from railhil.record.log_files import is_candump
 from railhil.record.senders import Senders
 from railhil.record.trace import Noted, Telegrams, Trace, TraceReader
 
@@ -31,14 +32,14 @@ _TABLES = tuple(np.frombuffer(table, np.uint8) for table in CHECK_TABLES)
 
 
 def trace_of_log(log: Path, contract: Contract, senders: Senders | None = None) -> Trace:
-    """Trace of a candump log or of the BLF made from it.
+    """Trace of a log, of which candump logs are read as columns.
 
     :param contract: the one used for recording.
     :param senders: compares the frames with the nodes' own lists while they are read.
     :raises InputError: as :func:`railhil.record.framelog.read_log`.
     """
     reader = TraceReader(contract)
-    if log.suffix == BLF_SUFFIX:
+    if not is_candump(log):
         frames = read_log(log)
         reader.take(frames if senders is None else senders.passing(frames))
         return reader.trace

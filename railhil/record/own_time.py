@@ -25,7 +25,8 @@ from railhil.bus.telegrams import TimeSync
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract
-from railhil.record.framelog import BLF_SUFFIX, log_line, read_log
+from railhil.record.framelog import log_line, read_log
+from railhil.record.log_files import is_candump
 from railhil.record.session import make_session
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -150,7 +151,7 @@ def _notes(log: Path, moved: int, before: int, after: int) -> Iterable[str]:
 
 
 def _at(log: Path, number: int, found: str, allowed: str) -> InputError:
-    where = f"{'frame' if log.suffix == BLF_SUFFIX else 'line'} {number}"
+    where = f"{'line' if is_candump(log) else 'frame'} {number}"
     return InputError(log, where, Words(found), f"{allowed}: a log of one run in the order of the bus")
 
 

@@ -192,6 +192,10 @@ class Trace:
         except KeyError:
             raise KeyError(f"{port}.{signal}") from None
 
+    def numbers(self, port: str, signal: str) -> npt.NDArray[np.int64] | FloatArray:
+        """Raw values of a signal without a scale, else physical ones, shape (n,)."""
+        return (self.raw if self._signal(port, signal).scale == 1 else self.values)(port, signal)
+
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
         """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
         found = self._signal(port, signal)

@@ -97,7 +97,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "usual": USUAL_SCENARIO,
     },
     "--scenario": {"metavar": "SCENARIO", "help": "shipped name or TOML file", "usual": _OF_THE_RECORD},
-    "log": {"metavar": "RUN", "help": "run folder, or its frames.log or frames.blf"},
+    "log": {"metavar": "RUN", "help": "run folder, or a log of frames (.log, .blf, .asc; .gz)"},
     "--set": {
         "type": normalise_setting, "action": "append", "default": [], "metavar": "KEY=VALUE",
         "help": "change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",

@@ -1,1 +1,1 @@
-"""A recorded run as files of other tools: MF4, MCAP, Parquet, CSV, BLF."""
+"""A recorded run as files of other tools: MF4, MCAP, Parquet, CSV, BLF, ASC."""

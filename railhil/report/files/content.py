@@ -13,6 +13,7 @@ from railhil.dbc.text import dbc_text
 from railhil.judge.record import Record
 from railhil.judge.signals import signal_table, signal_units
 from railhil.record.trace import FloatArray, Trace
+from railhil.report.display_columns import Shown, shown_columns
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 #: Years that BLF (none before 1990 in python-can) and 64-bit nanoseconds can express.
@@ -55,6 +56,23 @@ class Content:
     def units(self) -> dict[str, str]:
         """Unit of each column of :attr:`signals`, empty for numbers without one."""
         return signal_units(self.record.scenario, self.trace, self.record.certificate.get("notes"))
+
+    @cached_property
+    def shown(self) -> Shown:
+        """How the columns of :attr:`signals` are shown."""
+        return shown_columns(self.record.scenario, self.trace.contract, self.record.certificate.get("notes"))
+
+    @cached_property
+    def comments(self) -> dict[str, str]:
+        """Comment of each column of :attr:`signals`: the name for readers, and the comment of the port table."""
+        comments = {"time_s": "time since the start", **{column.name: column.label for column in self.shown.columns}}
+        for name, port, signal in self.record.judging.columns:
+            comment = self.trace.contract.port(port).signal(signal).comment
+            if not comment.lower().startswith(comments[name]):
+                comments[name] += f": {comment}" if comment else ""
+            else:
+                comments[name] = comment
+        return comments
 
     @cached_property
     def certificate(self) -> str:

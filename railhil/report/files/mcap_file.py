@@ -64,7 +64,7 @@ def _topics(content: Content) -> Iterator[_Topic]:
         kind = PortMessage(port)
         rows = _blank(kind, trace.count(port.name))
         for field, signal in zip(kind.fields, port.signals, strict=True):
-            rows[field.name] = (trace.raw if signal.scale == 1 else trace.values)(port.name, signal.name)
+            rows[field.name] = trace.numbers(port.name, signal.name)
         times_ns = np.array(trace.times_ns(port.name), dtype=np.int64)
         yield f"{TELEGRAMS}/{ros_name(port.name)}", kind, rows, times_ns, trace.order(port.name)
     header, table = content.signals

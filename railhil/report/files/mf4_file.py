@@ -39,7 +39,9 @@ def write_mf4(content: Content, path: Path) -> None:
     header, table = content.signals
     if len(table):
         columns = [
-            Signal(column.copy(), table[:, 0].copy(), name=name, unit=content.units[name])
+            Signal(
+                column.copy(), table[:, 0].copy(), name=name, unit=content.units[name], comment=content.comments[name]
+            )
             for name, column in zip(header[1:], table.T[1:], strict=True)
         ]
         file.append(columns, acq_name=SIGNALS, comment="signals.csv")
@@ -102,7 +104,7 @@ def _append_ports(file: MDF, content: Content) -> None:
         times_s = content.trace.times_s(port.name)
         columns = [
             Signal(
-                (content.trace.raw if entry.scale == 1 else content.trace.values)(port.name, entry.name),
+                content.trace.numbers(port.name, entry.name),
                 times_s,
                 name=entry.name,
                 unit=entry.unit,
