@@ -69,6 +69,13 @@ def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
     assert {"frames.log", "frames.blf", "certificate.json"} <= {
         path.name for path in (tmp_path / "runs" / "T2a").iterdir()
     }
+    page = (tmp_path / "runs" / "report.html").read_text(encoding="utf-8")
+    assert 'class="badge PASS"' in page
+    assert 'href="T2a"' in page
+    # Any table is written again, alone or beside others.
+    kept = str(tmp_path / "runs")
+    assert railhil("report", kept, kept, "--out", tmp_path / "both.html").exit_code == 0
+    assert 'id="beside-ato"' in (tmp_path / "both.html").read_text(encoding="utf-8")
     # The time is that of the level which is demanded, not of the strongest one. The cell is broken over lines, as the
     # width of the terminal has it.
     assert {"(up", "EMERGENCY)"} <= set(done.out.split())

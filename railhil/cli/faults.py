@@ -34,6 +34,7 @@ from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
 from railhil.record.run_folder import json_text, remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.run.make import NeverBegan, run_into
+from railhil.run.report import say_report
 from railhil.scenarios.given import given_controller
 from railhil.scenarios.options import OR_YOURS, add_option
 from railhil.scenarios.run_spec import RunSpec
@@ -136,16 +137,17 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     return row
 
 
-def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], key: Path | None) -> None:
-    """Write the table beside the run folders, with the list of hashes over all of them, and sign it.
+def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], key: Path | None) -> str:
+    """Write the table and its page beside the run folders, with the list of hashes over all of them, and sign it.
 
-    :raises RecordFailed: it cannot be written.
+    :returns: a line on the page. :raises RecordFailed: it cannot be written.
     """
     document = {
         "scenario": base.scenario,
         "system": system.name,
         # The run folder of an entry with a law of its own names this law.
         "controller": base.law.controller,
+        "seed": base.seed,
         **made_by(system.name, base.law.controller, code_sha256()),
         "rows": [row.as_json() for row in rows],
         HASH_LIST_KEY: HASH_LIST,
@@ -159,28 +161,26 @@ def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], 
             write_hash_list(out, {FAULT_TABLE: draft})
     except OSError as error:
         raise RecordFailed(f"{path} cannot be written: {describe_os_error(error)}") from error
+
+    def write(page: Path) -> None:
+        from railhil.report.fault_matrix import report_of
+
+        report_of([out], page)
+
+    line = say_report(out, write)
     sign_list(out, key)
+    return line
 
 
 def _millis(seconds: float | None, since_s: float | None) -> str:
     return "-" if seconds is None or since_s is None else f"{(seconds - since_s) * 1e3:.0f}"
 
 
-def _reaction(row: Row) -> str:
-    """The level for the time beside it, with the strongest level if that is another."""
-    wanted = row.entry.reaction
-    if wanted is None or row.reaction_s is None or wanted == row.reaction:
-        return row.reaction
-    return f"{wanted} (up to {row.reaction})"
-
-
 def _bound(row: Row) -> tuple[str, str]:
-    """Bound and margin of the reaction, or those of the sign with the smallest margin."""
-    margin_ms, within_ms = row.margin_ms, row.entry.within_ms
-    if within_ms is None and row.tightest is not None:
-        after_ms, within_ms = row.tightest
-        margin_ms = within_ms - after_ms
-    return "-" if within_ms is None else str(within_ms), "-" if margin_ms is None else str(round(margin_ms))
+    """Bound and margin."""
+    after_ms, within_ms = row.bound
+    margin = "-" if within_ms is None or after_ms is None else str(round(within_ms - after_ms))
+    return "-" if within_ms is None else str(within_ms), margin
 
 
 def _print_rows(console: Output, rows: Sequence[Row]) -> None:
@@ -201,7 +201,7 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
             "-" if row.effective_s is None else f"{row.effective_s:.2f}",
             row.detected_by or "-",
             _millis(row.detected_s, row.effective_s),
-            _reaction(row),
+            row.said_reaction,
             _millis(row.reaction_s, row.effective_s),
             *_bound(row),
             "; ".join(row.failures) or "ok",
@@ -246,8 +246,9 @@ def work(namespace: argparse.Namespace) -> int:
                     rows.append(row)
                     shown(len(rows), "runs")
         rows.sort(key=lambda row: entries.index(row.entry))
+    line = ""
     if namespace.out is not None and rows:
-        _write_table(namespace.out, base, system, rows, namespace.sign)
+        line = _write_table(namespace.out, base, system, rows, namespace.sign)
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:
@@ -258,6 +259,8 @@ def work(namespace: argparse.Namespace) -> int:
     if stop.code:
         console.say(f"{stop.after(len(rows), len(entries))} entries")
     console.say(f"{count_of(made, 'run')}, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
+    if line:
+        console.say(line)
     if left:
         console.say(f"{count_of(len(left), 'entry', 'entries')} without a run here: {', '.join(left)}")
     # Nothing is known without a run.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import Record, checked_record
-from railhil.record.documents import COMPARISON, read_comparison
+from railhil.record.documents import COMPARISON, FAULT_TABLE, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
@@ -32,13 +33,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=[
             "railhil report runs/mine",
             "railhil report runs/mine runs/other --out both.html",
+            "railhil report runs/faults runs/faults-of-another --out faults.html",
         ],
     )
     parser.add_argument(
         "folder",
         nargs="+",
         metavar="DIR",
-        help="run folder, or the folder of a comparison, a campaign, a hunt or a probability",
+        help="run folder, or the folder of a comparison, of fault tables, a campaign, a hunt or a probability",
     )
     add_options(parser, "--scenario", "--no-return")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
@@ -52,6 +54,10 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing_library("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
+    if any((path / FAULT_TABLE).is_file() for path in given):
+        from railhil.report.fault_matrix import report_of
+
+        return _write(given, namespace, partial(report_of, given))
     if found := next((name for name in _STUDIES for path in given if (path / name).is_file()), ""):
         return _study(given, namespace, found)
     folders: list[Path] = []
@@ -66,6 +72,11 @@ def work(namespace: argparse.Namespace) -> int:
     notes += [note for record in records for note in record.notes]
     notes += _no_return(records) if namespace.no_return else []
     check_one_scenario(records)
+    return _write(given, namespace, lambda out: write_report(records, out, list(dict.fromkeys(notes)), folders))
+
+
+def _write(given: Sequence[Path], namespace: argparse.Namespace, write: Callable[[Path], None]) -> int:
+    """Write the page and print its path."""
     if namespace.out is not None:
         out = Path(namespace.out)
     elif len(given) == 1:
@@ -73,7 +84,7 @@ def work(namespace: argparse.Namespace) -> int:
     else:
         out = Path(REPORT)
     with refuse_unwritable("--out", out, "file"):
-        write_report(records, out, list(dict.fromkeys(notes)), folders)
+        write(out)
     Output().say(str(out))
     return 0
 
@@ -99,8 +110,4 @@ def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> i
         module = import_module(_STUDIES[name])
     except ImportError as error:
         raise missing_library(f"railhil report of a {kind}", error, "campaign") from None
-    out = given[0] / REPORT if namespace.out is None else Path(namespace.out)
-    with refuse_unwritable("--out", out, "file"):
-        module.report_of(given[0], out)
-    Output().say(str(out))
-    return 0
+    return _write(given, namespace, partial(module.report_of, given[0]))

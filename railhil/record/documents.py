@@ -118,8 +118,25 @@ class _MadeBy(_Part):
     law_sha256: str | None = None
 
 
+class _FaultRow(_Part):
+    entry: str
+    begun_s: float | None
+    effective_s: float | None
+    detected_by: str
+    detected_s: float | None
+    reaction: str
+    reaction_s: float | None
+    verdict: str
+    failures: list[str]
+    refused: str
+    shown_s: dict[str, float | None] = {}
+    safe_s: float | None = None
+
+
 class _FaultTable(_MadeBy):
-    rows: list[dict[str, Any]]
+    scenario: str = ""
+    seed: int | None = None
+    rows: list[_FaultRow]
 
 
 class _Certificate(_MadeBy):

@@ -1,9 +1,13 @@
-"""The templates of pages: their escaping and search path; script and styles inside them."""
+"""Pages from templates: their escaping and search path, script and styles inside them, and their files.
+
+``frame.html.j2`` is the frame of the page of every study; its blocks are ``style`` and ``body``.
+"""
 
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
@@ -11,6 +15,7 @@ from railhil.charts import static_text
 from railhil.charts.figure import Figure
 from railhil.charts.svg import markup
 from railhil.common.streams import escape_controls
+from railhil.record.hash_list import listed_file
 
 if TYPE_CHECKING:
     # This import loads matplotlib, which a page does not need.
@@ -54,3 +59,21 @@ def template(name: str, package: str = _HERE) -> Template:
     )
     environment.filters["svg"] = _element
     return environment.get_template(name)
+
+
+def render_page(name: str, package: str = _HERE, **values: Any) -> str:
+    """A page as one HTML document without external references.
+
+    :param name: of its template; ``package`` as in :func:`template`. :param values: names in it.
+    """
+    return template(name, package).render(chart_scripts=script(), chart_styles=styles_text(), **values)
+
+
+def write_page(text: str, out: Path) -> None:
+    """Write a page completely or not at all.
+
+    :raises InputError: it is a file of a signed folder.
+    :raises OSError: it cannot be written.
+    """
+    with listed_file(out) as draft:
+        draft.write_text(text, encoding="utf-8")

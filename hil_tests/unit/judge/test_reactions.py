@@ -39,7 +39,7 @@ SEEN = Seen(
     begun_s=10.0,
     effective_s=10.01,
     events=(level("HOLD", 10.03, 10.07), level("TRACTION CUT", 10.07, 11.0)),
-    stands=True,
+    stands_s=50.0,
     end_s=60.0,
     ended="ended_complete",
     verdict="PASS",
@@ -81,7 +81,7 @@ def test_each_difference_is_said(changed: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize(
     ("entry", "changed", "said"),
     [
-        ({"ends": "standstill"}, {"stands": False}, "the train does not stand at the end"),
+        ({"ends": "standstill"}, {"stands_s": None}, "the train does not stand at the end"),
         ({"ends": "standstill"}, {}, None),
         ({"ends": "lost"}, {}, "run ended_complete: , expected the controller lost"),
         ({"ends": "lost"}, {"ended": "ended_controller_lost"}, None),

@@ -27,6 +27,8 @@ from railhil.scenarios.validation import validate
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
 #: In ``detected``: no watch detects the fault.
 NOTHING = "nothing"
+#: The states at the end of a run that an entry may demand, in words.
+ENDS = {"resumes": "the run goes on", "standstill": "the train stands", "lost": "the train stands, controller lost"}
 #: A milestone, an interlock or a state on the wire.
 Sign = Annotated[str, Field(pattern=f"^({EVENT.pattern}|{STATE.pattern})$")]
 Level = Literal["NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY"]
@@ -79,6 +81,21 @@ class Entry(Table):
     def signs(self) -> tuple[str, ...]:
         """All signs that it names."""
         return tuple(sign for sign in (*self.detected, *self.shows, *self.never) if is_sign(sign))
+
+    @property
+    def demand(self) -> str:
+        """What it demands of a run, in words."""
+        if not self.is_judged:
+            return f"{self.verdict}: {self.said}"
+        bounds_ms: list[tuple[str | None, int | None]] = [*self.steps.items(), (self.reaction, self.within_ms)]
+        words = [f"{sign} within {bound_ms} ms" for sign, bound_ms in (*bounds_ms, *self.shows.items()) if bound_ms]
+        words += [f"for {for_ms} ms no {sign}" for sign, for_ms in self.never.items()]
+        if self.at_most == "NORMAL":
+            words.append("no reaction")
+        elif self.at_most != self.reaction:
+            words.append(f"at most {self.at_most}")
+        words += [ENDS[self.ends]] if self.ends else []
+        return "; ".join(words + ([f"verdict of the run {self.verdict}"] if self.verdict else []))
 
     @property
     def is_judged(self) -> bool:

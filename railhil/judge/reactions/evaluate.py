@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from railhil.common.digits import text_beside_limit
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR
@@ -16,6 +18,7 @@ from railhil.judge.reactions.shown import find_states, first_s
 if TYPE_CHECKING:
     from railhil.judge.declared import Watch
     from railhil.judge.result import Result
+    from railhil.record.trace import FloatArray
 
 VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
 #: Beginning of the sentence for a broken rule of every run (:mod:`railhil.systems.ato.judge.invariants`).
@@ -29,15 +32,16 @@ class Seen:
     """The facts of one run.
 
     ``begun_s``: the first fault became active; ``effective_s``: it first changed something; None: never. ``events``:
-    those of the run. ``stands``: the train stands at the end of the record, at ``end_s``. ``ended``: the milestone that
-    ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason; ``broken``: failures of
-    its score. ``states``: the instants of the states that the entry names (:mod:`railhil.judge.reactions.shown`).
+    those of the run. ``stands_s``: since when the train stands at the end of the record, ``end_s``; None: it moves.
+    ``ended``: the milestone that ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason;
+    ``broken``: failures of its score. ``states``: the instants of the states that the entry names
+    (:mod:`railhil.judge.reactions.shown`).
     """
 
     begun_s: float | None
     effective_s: float | None
     events: Sequence[RecordedEvent]
-    stands: bool
+    stands_s: float | None
     end_s: float
     ended: str
     verdict: str
@@ -59,7 +63,7 @@ def seen_in(result: Result, entry: Entry) -> Seen:
         begun_s=_first_s(one.begun_s for one in result.faults),
         effective_s=_first_s(one.effect_s for one in result.faults),
         events=[_as_reaction(event, result.judging.watches) for event in result.events],
-        stands=bool(len(speed_mps)) and float(speed_mps[-1]) == 0.0,
+        stands_s=_stands_s(end_s, speed_mps),
         end_s=float(end_s[-1]) if len(end_s) else 0.0,
         ended=result.score.ended,
         verdict=VERDICTS.get(result.exit_code, f"exit code {result.exit_code}"),
@@ -67,6 +71,14 @@ def seen_in(result: Result, entry: Entry) -> Seen:
         broken=result.score.failures,
         states=find_states(trace, entry.signs),
     )
+
+
+def _stands_s(times_s: FloatArray, speed_mps: FloatArray) -> float | None:
+    """Since when a train stands at the end of its record, s; None: it moves there, or nothing is known."""
+    if not len(speed_mps) or speed_mps[-1] != 0.0:
+        return None
+    moves = np.flatnonzero(speed_mps)
+    return float(times_s[moves[-1] + 1 if len(moves) else 0])
 
 
 def _as_reaction(event: RecordedEvent, watches: Sequence[Watch]) -> RecordedEvent:
@@ -81,7 +93,8 @@ class Row:
 
     ``detected_by``: cause or refusal that showed first, ``detected_s`` when; ``reaction``: strongest level after the
     first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
-    demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: deviations of
+    demands none; ``safe_s``: since when the state that the entry demands at the end holds (the train
+    stands, or no watch is above NORMAL); None: the entry demands none, or it never left it. ``failures``: deviations of
     the run from the entry, empty if there are none. ``refused``: reason for which the entry cannot be run on this
     transport. ``shown_s``: when it first showed each sign that the entry demands.
     """
@@ -97,6 +110,7 @@ class Row:
     failures: list[str] = field(default_factory=list)
     refused: str = ""
     shown_s: dict[str, float | None] = field(default_factory=dict)
+    safe_s: float | None = None
 
     @property
     def made(self) -> bool:
@@ -104,9 +118,19 @@ class Row:
         return bool(self.verdict)
 
     def as_json(self) -> dict[str, Any]:
-        """All fields, with the delays in ms."""
+        """All fields, with the delays in ms, and the demands of the entry as ``demanded``."""
         found = asdict(self) | {"entry": self.entry.id, "faults": list(self.entry.faults)}
+        found["demanded"] = self.entry.model_dump(mode="json", exclude_defaults=True)
         return found | {"after_ms": self.after_ms, "margin_ms": self.margin_ms, "within_ms": self.entry.within_ms}
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> Row:
+        """The row of :meth:`as_json`, read by :func:`railhil.record.documents.read_fault_table`.
+
+        :raises ValueError: its demands are not those of an entry.
+        """
+        own = {one.name: document[one.name] for one in fields(cls) if one.name in document}
+        return cls(**{**own, "entry": Entry.model_validate(document["demanded"])})
 
     @property
     def tightest(self) -> tuple[float, int] | None:
@@ -134,6 +158,21 @@ class Row:
         """Margin to the bound, in ms; None without a bound or a reaction."""
         after_ms = self.after_ms
         return None if after_ms is None or self.entry.within_ms is None else self.entry.within_ms - after_ms
+
+    @property
+    def said_reaction(self) -> str:
+        """The level for the time beside it, with the strongest level if that is another."""
+        wanted = self.entry.reaction
+        if wanted is None or self.reaction_s is None or wanted == self.reaction:
+            return self.reaction
+        return f"{wanted} (up to {self.reaction})"
+
+    @property
+    def bound(self) -> tuple[float | None, int | None]:
+        """Delay and bound of the reaction in ms, or those of the sign with the smallest margin; None: not known."""
+        if self.entry.within_ms is None and self.tightest is not None:
+            return self.tightest
+        return self.after_ms, self.entry.within_ms
 
 
 def _cause(event: RecordedEvent) -> str:
@@ -203,6 +242,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
         seen.verdict,
         failures,
         shown_s=shown_s,
+        safe_s=_safe_s(entry, seen, levels),
     )
     margin_ms = row.margin_ms
     if margin_ms is not None and entry.within_ms is not None and margin_ms < -1e-6:
@@ -228,6 +268,13 @@ def _unshown(entry: Entry, shown_s: Mapping[str, float | None], seen: Seen) -> I
             yield f"shows {sign} at {at_s:.2f} s"
 
 
+def _safe_s(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> float | None:
+    """See :attr:`Row.safe_s`."""
+    if entry.ends != "resumes":
+        return seen.stands_s if entry.ends else None
+    return max((event.until_s or event.time_s for event in levels if event.rank), default=None)
+
+
 def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[str]:
     """Deviation of the end of the run from the expected one."""
     if entry.ends == "resumes":
@@ -235,7 +282,7 @@ def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[s
         if late:
             return [f"{late[-1].source} at {WATCH_LEVELS[late[-1].rank]} until the end"]
         return [] if seen.ended == "ended_complete" else [f"run {seen.ended}, expected to go on and stop"]
-    if entry.ends and not seen.stands:
+    if entry.ends and seen.stands_s is None:
         return ["the train does not stand at the end"]
     if entry.ends == "lost" and seen.ended != "ended_controller_lost":
         # A train that has stopped by itself ends the run complete; the verdict names the lost controller.

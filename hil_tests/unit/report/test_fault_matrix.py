@@ -1,0 +1,116 @@
+"""The matrix of faults: the verdict first, each margin as a bar of its bound, tables of one system side by side."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support.browser import asked
+from railhil.common.errors import InputError
+from railhil.judge.reactions.catalogue import Entry
+from railhil.judge.reactions.evaluate import Row
+from railhil.record.documents import FAULT_TABLE, read_fault_table
+from railhil.report.fault_matrix import report_of
+
+ENTRY = Entry(
+    id="T2b",
+    title="burst of 20 speed telegrams lost",
+    faults=("TRN_SPEED loss 100% @v>40km/h x20",),
+    detected=("speed_age",),
+    reaction="TRACTION CUT",
+    at_most="TRACTION CUT",
+    within_ms=70,
+    ends="resumes",
+)
+KEPT = Row(ENTRY, 20.0, 20.01, "speed_age", 20.031, "TRACTION CUT", 20.066, "PASS", safe_s=20.3)
+LATE = Row(ENTRY, 20.0, 20.01, "speed_age", 20.031, "TRACTION CUT", 20.15, "FAIL", ["TRACTION CUT after 140 ms, <70>"])
+ABSENT = Row(ENTRY.model_copy(update={"id": "S3b"}), refused="the scenario has no balises")
+
+
+def table(folder: Path, *rows: Row, **changed: Any) -> Path:
+    """The folder of a table, with a folder for each run."""
+    for row in rows:
+        (folder / row.entry.id).mkdir(parents=True, exist_ok=True)
+    by = {"system": "ato", "scenario": "yizhuang_05", "controller": "ipfc", "railhil": "1", "code_sha256": "0" * 64}
+    document = {**by, **changed, "rows": [row.as_json() for row in rows]}
+    (folder / FAULT_TABLE).write_text(json.dumps(document))
+    return folder
+
+
+def page(*folders: Path) -> str:
+    report_of(folders, folders[0] / "report.html")
+    return (folders[0] / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_row_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:
+    document = read_fault_table(table(tmp_path, KEPT, LATE, ABSENT))
+    assert document is not None
+    assert [Row.from_json(row) for row in document["rows"]] == [KEPT, LATE, ABSENT]
+
+
+def test_the_verdict_comes_first_and_says_what_is_wrong(tmp_path: Path) -> None:
+    text = page(table(tmp_path, KEPT, ABSENT))
+    assert text.index('class="badge PASS"') < text.index("<table")
+    assert "1 run, each as it must be; least margin 20% of its bound (T2b); without a run here: S3b" in text
+    text = page(table(tmp_path, LATE))
+    assert '<span class="badge FAIL">FAIL</span>' in text
+    assert "1 run, not as it must be: T2b" in text
+    assert "TRACTION CUT after 140 ms, &lt;70&gt;" in text
+    assert 'class="badge INVALID"' in page(table(tmp_path, ABSENT))
+
+
+def test_the_bar_is_the_part_of_the_bound_that_was_used(tmp_path: Path) -> None:
+    text = page(table(tmp_path, KEPT))
+    assert 'class="used" y="1" width="80.0"' in text
+    assert "56 of 70&nbsp;ms, margin&nbsp;14&nbsp;ms" in text
+    assert 'class="over" y="1" width="100.0"' in page(table(tmp_path, LATE))
+
+
+def test_each_entry_says_what_was_required_and_what_came(tmp_path: Path) -> None:
+    text = page(table(tmp_path, KEPT, ABSENT))
+    for words in (
+        "TRN_SPEED loss 100% @v&gt;40km/h x20",
+        "at&nbsp;20.00&nbsp;s, first effect 20.01&nbsp;s",
+        "TRACTION CUT within 70 ms; the run goes on",
+        'speed age <span class="second">after 21 ms</span>',
+        "NORMAL again after 290 ms",
+        '<a href="T2b">T2b</a>',
+        "the scenario has no balises",
+    ):
+        assert words in text
+
+
+def test_tables_of_one_system_stand_side_by_side(tmp_path: Path) -> None:
+    folders = [
+        table(tmp_path / "a", KEPT),
+        table(tmp_path / "b", LATE, controller="tdmc"),
+        table(tmp_path / "c", KEPT, system="stop"),
+    ]
+    text = page(*folders)
+    assert text.count('id="beside-') == 1
+    beside = text[text.index('id="beside-ato"') : text.index('<h2 id="table-1"')]
+    assert "56 of 70 ms" in beside
+    assert "140 ms, &lt;70&gt;" in beside
+    assert beside.count("<td") == 2
+    assert 'href="../b/T2b"' in text
+
+
+def test_a_table_without_the_demands_of_its_entries_is_refused_in_a_line(tmp_path: Path) -> None:
+    folder = table(tmp_path, KEPT)
+    document = json.loads((folder / FAULT_TABLE).read_text())
+    del document["rows"][0]["demanded"]
+    (folder / FAULT_TABLE).write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"rows.demanded: missing or damaged"):
+        page(folder)
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
+@pytest.mark.parametrize("width_px", [400, 1200, 2560])
+def test_the_page_fits_every_screen(tmp_path: Path, width_px: int) -> None:
+    page(table(tmp_path, KEPT, LATE, ABSENT))
+    wide = "({beyond: document.documentElement.scrollWidth - window.innerWidth})"
+    assert asked(tmp_path / "report.html", wide, width_px)["beyond"] <= 0
