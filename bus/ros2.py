@@ -18,6 +18,8 @@ from railhil.dbc import Port, Signal
 
 #: Names of the encodings in MCAP and in the Foxglove WebSocket protocol.
 SCHEMA_ENCODING, MESSAGE_ENCODING = "ros2msg", "cdr"
+#: Topic of the table of signals.
+SIGNALS_TOPIC = "/railhil/signals"
 #: Package in the names of the message types, ``railhil/msg/TrnSpeed``.
 PACKAGE = "railhil"
 #: First field of :attr:`Message.columns`.

@@ -7,6 +7,8 @@ import struct
 from datetime import datetime
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
 
 import can
 import numpy as np
@@ -24,7 +26,8 @@ from railhil.report.files.content import Content
 
 START = "2026-11-22T18:42:55+01:00"
 START_S = 1_795_369_375
-FILES = ("run.mf4", "run.mcap", "run.parquet", "telegrams.parquet", "run.csv", "run.blf", "run.asc")
+LAYOUTS = ("lichtblick.json", "plotjuggler.xml", "run.dspf")
+FILES = (*LAYOUTS, "run.mf4", "run.mcap", "run.parquet", "telegrams.parquet", "run.csv", "run.blf", "run.asc")
 #: Short runs of every shipped system.
 RUNS = {
     "ato": (
@@ -70,7 +73,18 @@ def test_two_exports_are_equal(here: Railhil, run: railhil.Outcome, monkeypatch:
     import asammdf.blocks.v4_blocks as blocks
     import can.io.asc
 
-    words = ("--mf4", "--mcap", "--parquet", "--telegrams", "--csv", "--blf", "--asc")
+    words = (
+        "--mf4",
+        "--mcap",
+        "--parquet",
+        "--telegrams",
+        "--csv",
+        "--blf",
+        "--asc",
+        "--lichtblick",
+        "--plotjuggler",
+        "--asammdf",
+    )
     place = _export(here, run, *words)
     first = {name: (place / name).read_bytes() for name in FILES}
     # A minute later.
@@ -174,7 +188,7 @@ def test_mcap_is_read_by_mcap(here: Railhil, run: railhil.Outcome) -> None:
     assert json.loads(facts.metadata["certificate"]) == run.certificate
     assert attached.data == (run.folder / "railhil.dbc").read_bytes()
     columns = _columns(run)
-    signals = rows.pop("/signals")
+    signals = rows.pop("/railhil/signals")
     assert [time_ns for time_ns, _ in signals] == [round(time_s * 1e9) for time_s in columns["time_s"]]
     for name, printed in columns.items():
         _same_as_printed(np.array([values[ros_name(name)] for _, values in signals]), printed)
@@ -253,6 +267,45 @@ def test_asc_is_read_by_python_can_and_by_us(here: Railhil, run: railhil.Outcome
     (run.folder / "RUN.ASC").write_bytes(path.read_bytes())
     assert here("score", run.folder / "RUN.ASC", "--json").out == here("score", run.folder, "--json").out
     (run.folder / "RUN.ASC").unlink()
+
+
+def _leaves(tree: Any) -> list[str]:
+    return [tree] if isinstance(tree, str) else _leaves(tree["first"]) + _leaves(tree["second"])
+
+
+def test_layouts_show_each_column_of_the_files_once(here: Railhil, run: railhil.Outcome) -> None:
+    from asammdf import MDF
+    from mcap.reader import make_reader
+
+    words = ("--mcap", "--mf4", "--lichtblick", "--plotjuggler", "--asammdf")
+    place, columns = _export(here, run, *words), sorted(run.signals)
+    columns.remove("time_s")
+    with (place / "run.mcap").open("rb") as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        assert summary is not None
+        (channel,) = [one for one in summary.channels.values() if one.topic == "/railhil/signals"]
+        lines = summary.schemas[channel.schema_id].data.decode().splitlines()
+    fields = sorted(f"{channel.topic}.{line.split()[1]}" for line in lines if line.split()[1] != "time_s")
+    # Lichtblick: a panel for each leaf of the layout.
+    layout = json.loads((place / "lichtblick.json").read_text(encoding="utf-8"))
+    assert sorted(_leaves(layout["layout"])) == sorted(layout["configById"])
+    shown = [path["value"] for plot in layout["configById"].values() for path in plot["paths"]]
+    assert sorted(shown) == fields
+    # PlotJuggler: its reader takes as many children of a splitter as "count" says, and as many sizes.
+    root = ElementTree.parse(place / "plotjuggler.xml").getroot()
+    for splitter in root.iter("DockSplitter"):
+        assert int(splitter.attrib["count"]) == len(splitter) == len(splitter.attrib["sizes"].split(";"))
+    assert sorted(curve.attrib["name"].replace("signals/", "signals.") for curve in root.iter("curve")) == fields
+    (loaded,) = root.iter("fileInfo")
+    assert (place / loaded.attrib["filename"]).is_file()
+    # asammdf: the channels of its file.
+    windows = json.loads((place / "run.dspf").read_text(encoding="utf-8"))["windows"]
+    channels = [channel for window in windows for channel in window["configuration"]["channels"]]
+    assert sorted(channel["name"] for channel in channels) == columns
+    with MDF(place / "run.mf4", process_bus_logging=False) as file:
+        found = file.select([channel["name"] for channel in channels])
+        assert [signal.unit for signal in found] == [channel["unit"] for channel in channels]
 
 
 @pytest.fixture(scope="module")

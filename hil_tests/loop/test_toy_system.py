@@ -238,7 +238,7 @@ def test_export_writes_the_ports_and_signals_of_the_system(site: Path, recorded:
     with (tmp_path / "run.mcap").open("rb") as stream:
         summary = make_reader(stream).get_summary()
     assert summary is not None
-    assert {"/signals", "/telegrams/unit1_stat", "/telegrams/unit2_cmd"} <= {
+    assert {"/railhil/signals", "/telegrams/unit1_stat", "/telegrams/unit2_cmd"} <= {
         channel.topic for channel in summary.channels.values()
     }
     rows = (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()[2:]

@@ -38,6 +38,9 @@ _FORMATS = {
     "csv": _Format("csv_file:write_csv", "", "run.csv", "CSV: signals, with certificate and units"),
     "blf": _Format("frames_file:write_blf_file", "", "run.blf", "BLF: frames, with the times of --start"),
     "asc": _Format("frames_file:write_asc", "", "run.asc", "Vector ASC: frames, with the times of the run"),
+    "lichtblick": _Format("layouts:write_lichtblick", "", "lichtblick.json", "layout of Lichtblick for run.mcap"),
+    "plotjuggler": _Format("layouts:write_plotjuggler", "", "plotjuggler.xml", "layout of PlotJuggler for run.mcap"),
+    "asammdf": _Format("layouts:write_asammdf", "", "run.dspf", "display file of asammdf for run.mf4"),
 }
 
 

@@ -22,7 +22,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
-from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
+from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, SIGNALS_TOPIC, Field, Message, PortMessage, ros_name
 from railhil.panel.live import LiveRun
 from railhil.panel.wire import POLICY_VIOLATION, TooDeep, is_token, parse_object
 from railhil.record.trace import FloatArray, Trace
@@ -214,7 +214,7 @@ class FoxgloveBridge:
             _describe_channel(number, f"/full/{port.name}", self._messages[number])
             for number, port in self._ports.items()
         ]
-        return [_describe_channel(_SIGNALS_ID, "/railhil/signals", self._columns), *full]
+        return [_describe_channel(_SIGNALS_ID, SIGNALS_TOPIC, self._columns), *full]
 
     def _answer(self, viewer: Viewer, text: str) -> str | None:
         try:

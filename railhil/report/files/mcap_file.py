@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 from mcap.writer import CompressionType, Writer
 
-from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, Field, Message, PortMessage, ros_name
+from railhil.bus.ros2 import MESSAGE_ENCODING, SCHEMA_ENCODING, SIGNALS_TOPIC, Field, Message, PortMessage, ros_name
 from railhil.common.version import full_version
 from railhil.dbc import DBC
 from railhil.report.files.content import Content
 
-#: Topic of the table of signals; the ports have theirs, ``/trn_speed``, below :data:`TELEGRAMS`.
-SIGNALS, TELEGRAMS = "/signals", "/telegrams"
+#: Beginning of the topics of the ports, such as ``/telegrams/trn_speed``.
+TELEGRAMS = "/telegrams"
 #: Name of the metadata record with the facts of the run.
 METADATA = "railhil"
 
@@ -76,7 +76,7 @@ def _topics(content: Content) -> Iterator[_Topic]:
             rows[field.name] = column
         # Rows come after the telegrams of their instant.
         last = np.full(len(table), np.iinfo(np.int64).max)
-        yield SIGNALS, kind_of_table, rows, np.rint(table[:, 0] * 1e9).astype(np.int64), last
+        yield SIGNALS_TOPIC, kind_of_table, rows, np.rint(table[:, 0] * 1e9).astype(np.int64), last
 
 
 def _blank(kind: Message, count: int) -> npt.NDArray[np.void]:
