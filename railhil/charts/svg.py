@@ -1,7 +1,7 @@
 """The charts of a figure as SVG inside a page.
 
 A path has the numbers of the curve: x and y in the units of the axes, which one transformation of the group maps to the
-drawing. ``figures.js`` reads them from there and zooms by another transformation.
+drawing. ``figures.js`` reads them from there and shows another range by another transformation.
 """
 
 from __future__ import annotations

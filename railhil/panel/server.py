@@ -37,7 +37,7 @@ _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _SCRIPTS = ("panel", "store", "curves", "gauges", "fault_form", "orders", "line", "requirements", "branch")
 _OWN = ("panel.css", *(f"{name}.js" for name in _SCRIPTS))
 _OF_CHARTS = (
-    "uPlot.iife.min.js", "uPlot.min.css", "gridstack-all.js", "gridstack.min.css", "charts.js", "charts.css"
+    "uPlot.iife.min.js", "uPlot.min.css", "gridstack-all.js", "gridstack.min.css", "view.js", "charts.js", "charts.css"
 )  # fmt: skip
 #: Path of the report of a branch, before its number.
 _BRANCH = "/branch/"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def script() -> str:
     """The program of a page, by which a reader uses its figures."""
-    return static_text("figures.js")
+    return static_text("view.js") + static_text("figures.js")
 
 
 def styles_text() -> str:

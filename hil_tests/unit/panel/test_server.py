@@ -191,6 +191,7 @@ def test_the_page_may_load_nothing_from_elsewhere():
             "store.js",
             "curves.js",
             "gauges.js",
+            "view.js",
             "charts.js",
             "uPlot.iife.min.js",
             "gridstack-all.js",

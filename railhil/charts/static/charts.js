@@ -1,11 +1,10 @@
-/* Charts of railhil: a thin layer over uPlot, for report.html and for the live panel. Plain arrays in, nothing fetched.
+/* Charts of streams: a thin layer over uPlot. Plain arrays in, nothing fetched. What a reader does with them: view.js.
 
    railhilCharts.chart(parent, description, data)   curves                        -> handle
    railhilCharts.tracks(parent, description, data)  levels over x, as bands       -> handle
    railhilCharts.join([[x, y, ...], ...])           data of several x, as uPlot.join
    railhilCharts.setTheme("dark" | "light" | "")    ""; what the system asks for; redraws all charts
    railhilCharts.colour(name)                       CSS colour of "0".."6", "target", "ink", "dim", "fault" ...
-   railhilCharts.shown(number)                      a number as the legend writes it: 7 significant digits
 
    description: {
      title, unit,                    above the chart: "title (unit)"; both may be empty
@@ -33,9 +32,7 @@
      range(), zoomed(),              [low, high] as shown; whether that is less than everything
      cursor(x),                      puts the cursor at x, as hovering does; null: away
      destroy(), element, plot        plot: the uPlot
-   }
-   Mouse: drag to zoom, double click for everything, ctrl and wheel. Touch: two fingers. Keys on a focused chart: + - 0,
-   left and right move the cursor, with shift the view. */
+   } */
 "use strict";
 const railhilCharts = (() => {
   const FONT = "12px system-ui, sans-serif", AXIS_PX = 56, NEAR_PX = 6, ROW_PX = 38, AXES_PX = 62, HEIGHT_MIN_PX = 80;
@@ -43,8 +40,7 @@ const railhilCharts = (() => {
   const dark = matchMedia("(prefers-color-scheme: dark)");
 
   const colour = name => getComputedStyle(document.documentElement).getPropertyValue(`--rc-${name}`).trim();
-  const shown = value => value == null || Number.isNaN(value) ? "-" : String(Number(value.toPrecision(7)));
-  const group = chart => chart.sync ? [...every].filter(other => other.sync === chart.sync) : [chart];
+  const {shown, readout} = railhilView;
 
   // A chart without a value has no axes yet.
   function redraw(chart) { if (chart.plot.scales.x.min != null) chart.plot.redraw(false); }
@@ -87,20 +83,15 @@ const railhilCharts = (() => {
     return ys[low] + (ys[high] - ys[low]) * (xs[at] - xs[low]) / (xs[high] - xs[low]);
   }
 
-  // A value as the legend writes it; one that is not a point of the curve is marked.
   function legend(item, holds, plot, value, series, index) {
-    const at = plot.cursor.idx, unit = item.unit ? ` ${item.unit}` : "";
-    if (index == null || value == null || Number.isNaN(value)) return "-";
-    if (item.names?.[value] !== undefined) return item.names[value] + unit;
-    if (holds || at == null || plot.data[series][at] !== undefined) return shown(value) + unit;
-    const between = onLine(plot, series, at);
-    const within = item.within ? ` ± ${Number(item.within.toPrecision(2))}` : "";
-    return between == null ? "-" : `≈ ${Number(between.toPrecision(5))}${within}${unit}`;
+    const at = plot.cursor.idx;
+    if (index == null) return "-";
+    return holds || at == null || plot.data[series][at] !== undefined ? readout(value, true, item)
+      : readout(onLine(plot, series, at), false, item);
   }
 
   function digits(plot, splits, axis, space, step) {
-    let decimals = 0;
-    while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals++;
+    const decimals = railhilView.decimals(step);
     return splits.map(value => value == null ? "" : value.toFixed(decimals));
   }
 
@@ -137,16 +128,14 @@ const railhilCharts = (() => {
     ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
     ctx.font = `${12 * ratio}px system-ui, sans-serif`;
     ctx.textAlign = "right";
-    let before = -Infinity;
-    for (const {at, name} of lines) {
-      const x = plot.valToPos(at, "x", true), room = x - before >= 13 * ratio, first = x - bbox.left < 14 * ratio;
+    const rooms = railhilView.rooms(lines.map(({at}) => plot.valToPos(at, "x")));
+    lines.forEach(({at, name}, number) => {
+      const x = plot.valToPos(at, "x", true), {room, right} = rooms[number];
       ctx.strokeStyle = ctx.fillStyle = colour("dim");
       ctx.lineWidth = ratio;
       ctx.setLineDash([2 * ratio, 2 * ratio]);
       ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
-      if (!room || x < bbox.left) continue;
-      // Of the first one the name stands on the other side.
-      before = first ? x + 17 * ratio : x;
+      if (!room) return;
       ctx.save();
       ctx.translate(x, bbox.top);
       ctx.rotate(-Math.PI / 2);
@@ -154,10 +143,10 @@ const railhilCharts = (() => {
       ctx.strokeStyle = colour("paper");
       ctx.lineWidth = 3 * ratio;
       ctx.lineJoin = "round";
-      ctx.textBaseline = first ? "top" : "bottom";
-      for (const draw of ["strokeText", "fillText"]) ctx[draw](name, -4 * ratio, (first ? 3 : -3) * ratio);
+      ctx.textBaseline = right ? "top" : "bottom";
+      for (const draw of ["strokeText", "fillText"]) ctx[draw](name, -4 * ratio, (right ? 3 : -3) * ratio);
       ctx.restore();
-    }
+    });
     ctx.fillStyle = colour("ink");
     for (const at of places) {
       const x = plot.valToPos(at, "x", true), low = bbox.top + bbox.height;
@@ -278,7 +267,7 @@ const railhilCharts = (() => {
     if (title) element.append(Object.assign(document.createElement("p"), {className: "rc-title", textContent: title}));
     const tip = Object.assign(document.createElement("div"), {className: "rc-tip", hidden: true});
     parent.append(element);
-    const chart = {element, tip, sync: description.sync, markers: description.markers ?? [], lines: description.lines ?? [],
+    const chart = {element, tip, markers: description.markers ?? [], lines: description.lines ?? [],
                    places: []};
     const fills = description.height === "fill";
     const height = fills ? HEIGHT_MIN_PX : description.height ?? (asTrack ? AXES_PX + ROW_PX * description.series.length : 200);
@@ -290,7 +279,6 @@ const railhilCharts = (() => {
     const names = words && Object.keys(words).length ? words : undefined;
     const yAxis = asTrack ? {...axis, size: AXIS_PX, values: () => [], grid: {show: false}, ticks: {show: false}}
       : {...axis, size: AXIS_PX, gap: 3, ...(names && {values: (plot, splits) => splits.map(v => names[v] ?? ""), incrs: [1]})};
-    const move = (type) => type === "mousemove" || type === "mouseleave";
     chart.plot = new uPlot({
       width: Math.max(parent.clientWidth, 120), height,
       scales: {
@@ -318,40 +306,57 @@ const railhilCharts = (() => {
         },
       },
       cursor: {
-        drag: {x: true, y: false, dist: 5, setScale: false},
+        drag: {setScale: false, click: () => {}},
         y: false,
         points: {show: !asTrack, size: 6},
         dataIdx: (plot, series, nearest, value) => series === 0 || nearest == null ? nearest
           : place(plot, series, nearest, value),
-        sync: description.sync ? {key: description.sync, scales: ["x", null], setSeries: false,
-                                  filters: {pub: move, sub: move}} : undefined,
-        bind: {dblclick: () => () => { handle.zoom(); return null; }},
+        // What a reader does is heard by the view.
+        bind: Object.fromEntries(["mousedown", "mouseup", "mousemove", "mouseleave", "click", "dblclick"].map(name => [name, () => null])),
       },
       hooks: {
         draw: [() => { drawMarkers(chart); drawLines(chart); drawEnds(chart); if (asTrack) drawTracks(chart); }],
         setCursor: [() => tell(chart)],
-        setSelect: [plot => {
-          const {left, width} = plot.select;
-          if (!(width > 0)) return;
-          const ends = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
-          plot.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
-          handle.zoom(...ends);
-        }],
       },
     }, data.map(withGaps), element);
     element.append(tip);
 
-    const whole = () => {
-      if (x.range) return x.range;
-      const xs = group(chart).map(one => one.plot.data[0]).filter(one => one.length);
-      return [Math.min(...xs.map(one => one[0])), Math.max(...xs.map(one => one[one.length - 1]))];
-    };
-    const handle = {
-      element, plot: chart.plot,
+    const {plot} = chart, pixel = x => plot.valToPos(x, "x");
+    const view = new railhilView.View({
+      element, surface: plot.over, sync: description.sync,
+      frame: () => plot.over.getBoundingClientRect(),
+      range: () => [plot.scales.x.min, plot.scales.x.max],
+      whole: () => x.range ?? [plot.data[0][0], plot.data[0].at(-1)],
+      samples: () => [plot.data[0]],
+      show(low, high, isAll) {
+        chart.zoomed = !isAll;
+        // At once, so that range() says it; uPlot alone would wait for the next microtask.
+        plot.batch(() => plot.setScale("x", {min: low, max: high}));
+      },
+      point(at) {
+        const isAway = at === null || plot.scales.x.min == null;
+        plot.setCursor({left: isAway ? -10 : pixel(at), top: isAway ? -10 : 1}, true, false);
+      },
+      choose(from, to) {
+        const ends = from === undefined ? [0, 0] : [pixel(from), pixel(to)].sort((one, other) => one - other);
+        plot.setSelect({left: ends[0], top: 0, width: ends[1] - ends[0], height: plot.over.clientHeight}, false);
+      },
+    });
+    every.add(chart);
+    const watch = new ResizeObserver(() => {
+      const width = element.clientWidth;
+      // Title and legend keep their room.
+      const wanted = fills ? Math.max(HEIGHT_MIN_PX, parent.clientHeight - (element.offsetHeight - plot.height)) : height;
+      if (width > 0 && (width !== plot.width || wanted !== plot.height)) plot.setSize({width, height: wanted});
+    });
+    watch.observe(element);
+    if (fills) watch.observe(parent);
+    return {
+      element, plot,
       setData(values) {
-        chart.plot.batch(() => {
-          chart.plot.setData(values.map(withGaps), !chart.zoomed);
-          if (chart.zoomed) chart.plot.redraw();
+        plot.batch(() => {
+          plot.setData(values.map(withGaps), !chart.zoomed);
+          if (chart.zoomed) plot.redraw();
         });
       },
       setMarkers(markers) { chart.markers = markers; redraw(chart); },
@@ -360,97 +365,19 @@ const railhilCharts = (() => {
         chart.places = places;
         redraw(chart);
       },
-      show(index, on) { chart.plot.setSeries(index + 1, {show: on}); },
-      zoom(low, high) {
-        const all = low === undefined, [least, most] = whole();
-        if (all) [low, high] = [least, most];
-        else [low, high] = [Math.max(low, least), Math.min(high, most)];
-        if (!(high > low)) return;
-        for (const one of group(chart)) {
-          one.zoomed = !all;
-          // At once, so that range() says it; uPlot alone would wait for the next microtask.
-          one.plot.batch(() => one.plot.setScale("x", {min: low, max: high}));
-        }
-      },
-      range() { return [chart.plot.scales.x.min, chart.plot.scales.x.max]; },
-      zoomed() { return Boolean(chart.zoomed); },
-      cursor(at) {
-        for (const one of group(chart))
-          one.plot.setCursor({left: at == null ? -10 : one.plot.valToPos(at, "x"), top: at == null ? -10 : 1}, true, false);
-      },
-      destroy() {
-        watch.disconnect(); every.delete(chart); chart.plot.destroy(); element.remove();
-      },
+      show(index, on) { plot.setSeries(index + 1, {show: on}); },
+      zoom: (...ends) => view.zoom(...ends),
+      range: view.drawing.range,
+      zoomed: () => Boolean(chart.zoomed),
+      cursor: at => view.cursor(at ?? null),
+      destroy() { watch.disconnect(); every.delete(chart); view.close(); plot.destroy(); element.remove(); },
     };
-    every.add(chart);
-    const watch = new ResizeObserver(() => {
-      const {plot} = chart, width = element.clientWidth;
-      // Title and legend keep their room.
-      const wanted = fills ? Math.max(HEIGHT_MIN_PX, parent.clientHeight - (element.offsetHeight - plot.height)) : height;
-      if (width > 0 && (width !== plot.width || wanted !== plot.height)) plot.setSize({width, height: wanted});
-    });
-    watch.observe(element);
-    if (fills) watch.observe(parent);
-    reach(chart, handle);
-    return handle;
-  }
-
-  // Wheel, fingers and keys.
-  function reach(chart, handle) {
-    const {element, plot} = chart;
-    const around = (x, factor) => {
-      const [low, high] = handle.range();
-      handle.zoom(x - (x - low) * factor, x + (high - x) * factor);
-    };
-    // The next point on one side that is shown.
-    const beside = (x, side) => {
-      const xs = Array.from(plot.data[0]), near = (plot.scales.x.max - plot.scales.x.min) / plot.over.clientWidth / 2;
-      return (side > 0 ? xs.find(one => one > x + near) : xs.findLast(one => one < x - near)) ?? x;
-    };
-    const at = event => plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x");
-    plot.over.addEventListener("wheel", event => {
-      if (!event.ctrlKey) return;
-      event.preventDefault();
-      around(at(event), event.deltaY < 0 ? .8 : 1.25);
-    }, {passive: false});
-    const fingers = new Map();
-    const held = () => [...fingers.values()].sort((one, other) => one - other);
-    let grip = null;
-    plot.over.addEventListener("pointerdown", event => {
-      if (event.pointerType !== "touch") return;
-      fingers.set(event.pointerId, event.clientX);
-      if (fingers.size === 2) grip = held().map(x => at({clientX: x}));
-    });
-    plot.over.addEventListener("pointermove", event => {
-      if (!fingers.has(event.pointerId)) return;
-      fingers.set(event.pointerId, event.clientX);
-      if (fingers.size === 1) { handle.cursor(at(event)); return; }
-      // Both fingers keep the values that they took hold of.
-      const [left, right] = held(), box = plot.over.getBoundingClientRect();
-      if (right - left < 10 || grip === null) return;
-      const unit = (grip[1] - grip[0]) / (right - left), low = grip[0] - (left - box.left) * unit;
-      handle.zoom(low, low + box.width * unit);
-    });
-    for (const name of ["pointerup", "pointercancel", "pointerleave"])
-      plot.over.addEventListener(name, event => { fingers.delete(event.pointerId); grip = null; });
-    element.addEventListener("keydown", event => {
-      const [low, high] = handle.range(), side = {ArrowLeft: -1, ArrowRight: 1}[event.key];
-      const now = plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : (low + high) / 2;
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (side && event.shiftKey) handle.zoom(low + side * (high - low) / 10, high + side * (high - low) / 10);
-      else if (side) handle.cursor(beside(now, side));
-      else if (event.key === "+" || event.key === "=") around(now, .5);
-      else if (event.key === "-") around(now, 2);
-      else if (event.key === "0") handle.zoom();
-      else return;
-      event.preventDefault();
-    });
   }
 
   return {
     chart: (parent, description, data) => build(parent, description, data, false),
     tracks: (parent, description, data) => build(parent, description, data, true),
     join: tables => uPlot.join(tables),
-    setTheme, colour, shown,
+    setTheme, colour,
   };
 })();

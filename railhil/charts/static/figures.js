@@ -1,13 +1,10 @@
-/* Figures of a page: zoom, values at the cursor, choice of runs. The curves are the paths of the page, whose numbers are
-   in the units of the axes: a zoom is another transformation of their group.
-
-   Mouse: drag to zoom, double click for everything, ctrl and wheel. Touch: two fingers. Keys on a focused chart: + - 0,
-   left and right move the cursor, with shift the view. */
+/* Figures of a page: the curves are the paths of the page, whose numbers are in the units of the axes; another range is
+   another transformation of their group. Choice of runs and of the axis. What a reader does with a chart: view.js. */
 "use strict";
 const railhilFigures = (() => {
   const make = (name, ...inside) => { const made = document.createElement(name); made.append(...inside); return made; };
   const numbers = text => text.split(" ").map(Number);
-  const shown = (value, digits = 7) => String(Number(value.toPrecision(digits)));
+  const {shown, before} = railhilView;
   const SVG = "http://www.w3.org/2000/svg", TIME = "time (s)";
   // Of more runs the others are hidden at first.
   const RUNS_FIRST = 8;
@@ -31,16 +28,9 @@ const railhilFigures = (() => {
     return {xs, ys};
   }
 
-  // The last place at or before x.
-  function before(xs, x) {
-    let low = -1, high = xs.length;
-    while (high - low > 1) { const half = low + high >> 1; if (xs[half] <= x) low = half; else high = half; }
-    return low;
-  }
-
   // The value of a curve at x, and whether it is one of its points; null: it has none there.
   function value(curve, x) {
-    const {xs, ys} = curve, at = before(xs, x);
+    const {xs, ys} = curve, at = before(xs, x) - 1;
     if (at < 0 || ys[at] === null) return null;
     if (xs[at] === x || curve.step) return at + 1 < xs.length || xs[at] === x ? {y: ys[at], exact: true} : null;
     if (at + 1 >= xs.length || ys[at + 1] === null) return null;
@@ -50,7 +40,7 @@ const railhilFigures = (() => {
   function ticks(low, high, most) {
     const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
     const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * (1 - 1e-9));
-    const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), found = [];
+    const decimals = railhilView.decimals(step), found = [];
     for (let number = Math.ceil(low / step - 1e-9); number * step <= high + step * 1e-9; number++)
       found.push([number * step, (number * step + 0).toFixed(decimals)]);
     return found;
@@ -62,6 +52,7 @@ const railhilFigures = (() => {
       this.svg = element.querySelector(":scope > svg");
       this.plot = this.svg.querySelector(".plot");
       this.data = this.plot.querySelector(".data");
+      this.surface = this.svg;
       this.sync = element.dataset.sync ?? "";
       this.log = "log" in element.dataset;
       this.box = numbers(this.svg.dataset.box);
@@ -70,16 +61,18 @@ const railhilFigures = (() => {
       this.fixed = "fixed" in element.dataset;
       this.names = this.svg.dataset.names.split("|").map(text => text
         ? text.split(";").map(one => { const at = one.indexOf("="); return [Number(one.slice(0, at)), one.slice(at + 1)]; }) : []);
+      this.words = Object.fromEntries(this.names[1]);
       this.hasNumbers = Boolean(this.svg.querySelector("text.x"));
       const outputs = [...element.querySelectorAll(".keys output")];
       this.curves = [...this.data.querySelectorAll(".curve")].map((path, place) => ({
         path, output: outputs[place], step: "step" in path.dataset, within: Number(path.dataset.within ?? 0),
-        unit: path.dataset.unit ?? "", run: path.dataset.run, column: path.dataset.column,
+        unit: path.dataset.unit, names: this.words, run: path.dataset.run, column: path.dataset.column,
       }));
       this.said = element.querySelector(".keys .at");
       this.line = document.createElementNS(SVG, "path");
       this.line.setAttribute("class", "cursor");
       this.plot.append(this.line);
+      this.view = new railhilView.View(this);
     }
 
     // Read when they are first needed.
@@ -88,19 +81,22 @@ const railhilFigures = (() => {
       return this.curves.filter(curve => !curve.path.classList.contains("off"));
     }
 
-    group() { return this.sync ? all.filter(one => one.sync === this.sync) : [this]; }
     get zoomed() { return this.x[0] !== this.home.x[0] || this.x[1] !== this.home.x[1]; }
 
-    show(x) {
-      this.x = x;
+    frame() { const {a, e} = this.plot.getScreenCTM(); return {left: e, width: a * this.box[2]}; }
+    range() { return this.x; }
+    whole() { return this.home.x; }
+    samples() { return this.read().map(curve => curve.xs); }
+
+    show(...ends) {
+      this.x = ends.slice(0, 2);
       this.y = [...this.home.y];
       if (this.zoomed && !this.fixed) {
         let low = Infinity, high = -Infinity;
         const take = y => { if (y !== null && y !== undefined) { low = Math.min(low, y); high = Math.max(high, y); } };
         for (const curve of this.read()) {
-          for (const end of x) take(value(curve, end)?.y);
-          for (let at = Math.max(0, before(curve.xs, x[0])); at < curve.xs.length && curve.xs[at] <= x[1]; at++)
-            if (curve.xs[at] >= x[0]) take(curve.ys[at]);
+          for (const end of this.x) take(value(curve, end)?.y);
+          curve.xs.forEach((x, at) => { if (this.x[0] <= x && x <= this.x[1]) take(curve.ys[at]); });
         }
         if (high > low) this.y = [low - .05 * (high - low), high + .05 * (high - low)];
       }
@@ -118,16 +114,13 @@ const railhilFigures = (() => {
         const [x, y] = numbers(point.dataset.at);
         point.setAttribute("transform", `translate(${this.toX(x)} ${this.toY(y)})`);
       }
-      let before = -Infinity;
-      for (const line of this.plot.querySelectorAll(".across")) {
-        const x = this.toX(Number(line.dataset.at)), name = line.querySelector("text");
-        line.setAttribute("transform", `translate(${x} 0)`);
-        if (!name) continue;
-        const room = x - before >= 13;
-        name.setAttribute("visibility", room ? "visible" : "hidden");
-        name.setAttribute("y", x < 14 ? 11 : -3);
-        if (room && x >= 0) before = x < 14 ? x + 17 : x;
-      }
+      const lines = [...this.plot.querySelectorAll(".across")], at = line => this.toX(Number(line.dataset.at));
+      for (const line of lines) line.setAttribute("transform", `translate(${at(line)} 0)`);
+      const named = lines.filter(line => line.lastChild.tagName === "text");
+      railhilView.rooms(named.map(at)).forEach(({room, right}, number) => {
+        named[number].lastChild.setAttribute("visibility", room ? "visible" : "hidden");
+        named[number].lastChild.setAttribute("y", right ? 11 : -3);
+      });
       const axes = this.svg.querySelector(".axes"), made = [];
       const add = (name, given, text = "") => {
         const one = document.createElementNS(SVG, name);
@@ -152,30 +145,15 @@ const railhilFigures = (() => {
       axes.replaceChildren(...made);
     }
 
-    zoom(low, high) {
-      for (const one of this.group()) {
-        const [least, most] = one.home.x;
-        const x = low === undefined ? [least, most] : [Math.max(low, least), Math.min(high, most)];
-        if (x[1] > x[0]) one.show(x);
+    // Values at x; null: none.
+    point(x) {
+      const number = y => this.log ? 10 ** y : y;
+      this.line.setAttribute("d", x === null ? "" : `M${this.toX(x)} 0v${this.box[3]}`);
+      this.said.textContent = x === null ? "" : `at ${shown(number(x))}`;
+      for (const curve of x === null ? this.curves : this.read()) {
+        const found = x === null ? null : value(curve, x);
+        curve.output.textContent = x === null ? "" : railhilView.readout(found && number(found.y), found?.exact, curve);
       }
-    }
-
-    // Values at x in every chart of the group; null: none.
-    cursor(x) {
-      for (const one of this.group()) {
-        one.at = x;
-        one.line.setAttribute("d", x === null ? "" : `M${one.toX(x)} 0v${one.box[3]}`);
-        if (x === null) { for (const curve of one.curves) curve.output.textContent = ""; continue; }
-        for (const curve of one.read()) {
-          const found = value(curve, x), number = found && (one.log ? 10 ** found.y : found.y);
-          const name = found && one.names[1].find(([at]) => at === number)?.[1];
-          const unit = curve.unit && ` ${curve.unit}`, within = curve.within && !found?.exact ? ` ± ${curve.within}` : "";
-          curve.output.textContent = !found ? "-" : name ?? (found.exact ? `${shown(number)}${unit}`
-            : `≈ ${shown(number, 5)}${within}${unit}`);
-        }
-      }
-      for (const one of this.group())
-        one.said.textContent = x === null ? "" : `at ${shown(one.log ? 10 ** x : x)}`;
     }
 
     // Curves and points as the page has them.
@@ -213,81 +191,8 @@ const railhilFigures = (() => {
       for (const curve of this.curves) delete curve.xs;
     }
 
-    // The place of the pointer; the nearest point of a curve of this chart, if there is one within 6 px.
-    under(event, exactly = false) {
-      const matrix = this.plot.getScreenCTM(), width = this.box[2];
-      const share = (event.clientX - matrix.e) / matrix.a / width;
-      const x = this.x[0] + share * (this.x[1] - this.x[0]);
-      if (exactly) return x;
-      let best = x, far = 6 / width * (this.x[1] - this.x[0]);
-      for (const curve of this.read()) {
-        const at = before(curve.xs, x);
-        for (const place of [at, at + 1]) {
-          const off = Math.abs(curve.xs[place] - x);
-          if (off < far) { far = off; best = curve.xs[place]; }
-        }
-      }
-      return best;
-    }
-
-    listen() {
-      const {element, svg} = this, fingers = new Map();
-      let from = null, grip = null;
-      const around = (x, factor) => this.zoom(x - (x - this.x[0]) * factor, x + (this.x[1] - x) * factor);
-      const held = () => [...fingers.values()].sort((one, other) => one - other);
-      svg.addEventListener("pointermove", event => {
-        if (event.pointerType === "touch" && fingers.has(event.pointerId)) {
-          fingers.set(event.pointerId, event.clientX);
-          if (fingers.size === 2 && grip) {
-            // Both fingers keep the values that they took hold of.
-            const [left, right] = held(), scale = this.plot.getScreenCTM(), width = this.box[2] * scale.a;
-            if (right - left < 10) return;
-            const unit = (grip[1] - grip[0]) / (right - left), low = grip[0] - (left - scale.e) * unit;
-            this.zoom(low, low + width * unit);
-            return;
-          }
-        }
-        this.cursor(this.under(event));
-        if (from !== null) this.mark(from, this.under(event, true));
-      });
-      svg.addEventListener("pointerdown", event => {
-        if (event.pointerType === "touch") {
-          fingers.set(event.pointerId, event.clientX);
-          if (fingers.size === 2) grip = held().map(clientX => this.under({clientX}, true));
-        } else if (event.button === 0) {
-          from = this.under(event, true);
-          svg.setPointerCapture(event.pointerId);
-        }
-      });
-      const leave = event => { fingers.delete(event.pointerId); grip = null; from = null; this.mark(); };
-      svg.addEventListener("pointerup", event => {
-        const to = this.under(event, true), start = from;
-        leave(event);
-        if (start !== null && Math.abs(to - start) > .01 * (this.x[1] - this.x[0])) this.zoom(Math.min(start, to), Math.max(start, to));
-      });
-      svg.addEventListener("pointercancel", leave);
-      svg.addEventListener("pointerleave", event => { if (from === null) { leave(event); this.cursor(null); } });
-      svg.addEventListener("dblclick", () => this.zoom());
-      svg.addEventListener("wheel", event => {
-        if (!event.ctrlKey) return;
-        event.preventDefault();
-        around(this.under(event, true), event.deltaY < 0 ? .8 : 1.25);
-      }, {passive: false});
-      element.addEventListener("keydown", event => {
-        if (event.ctrlKey || event.metaKey || event.altKey) return;
-        const [low, high] = this.x, side = {ArrowLeft: -1, ArrowRight: 1}[event.key], now = this.at ?? (low + high) / 2;
-        if (side && event.shiftKey) this.zoom(low + side * (high - low) / 10, high + side * (high - low) / 10);
-        else if (side) this.cursor(Math.min(Math.max(now + side * (high - low) / 200, low), high));
-        else if (event.key === "+" || event.key === "=") around(now, .5);
-        else if (event.key === "-") around(now, 2);
-        else if (event.key === "0") this.zoom();
-        else return;
-        event.preventDefault();
-      });
-    }
-
     // The stretch that is being chosen.
-    mark(from, to) {
+    choose(from, to) {
       this.plot.querySelector(".chosen")?.remove();
       if (from === undefined) return;
       const one = document.createElementNS(SVG, "path");
@@ -309,7 +214,7 @@ const railhilFigures = (() => {
       const ends = [...ways.values()].flatMap(way => way.ys.filter(y => y !== null));
       for (const chart of charts) chart.move(ways, [Math.min(...ends), Math.max(...ends)]);
     }
-    for (const chart of charts) chart.show([...chart.home.x]);
+    for (const chart of charts) chart.show(...chart.home.x);
   }
 
   function dress() {
@@ -329,10 +234,9 @@ const railhilFigures = (() => {
       select.addEventListener("change", () => over(select.value));
       bar.append(make("label", "over ", select));
     }
-    const around = factor => { const [low, high] = used.x, middle = (low + high) / 2, half = (high - low) / 2 * factor; used.zoom(middle - half, middle + half); };
-    const shift = side => { const [low, high] = used.x, far = (high - low) / 4 * side; used.zoom(low + far, high + far); };
-    press("◀", () => shift(-1)); press("+", () => around(.5)); press("−", () => around(2)); press("▶", () => shift(1));
-    press("everything", () => { for (const chart of all) chart.zoom(); });
+    const around = factor => used.view.around((used.x[0] + used.x[1]) / 2, factor), shift = share => used.view.shift(share);
+    press("◀", () => shift(-.25)); press("+", () => around(.5)); press("−", () => around(2)); press("▶", () => shift(.25));
+    press("everything", () => { for (const chart of all) chart.view.zoom(); });
     bar.append(check("events", on => document.body.classList.toggle("without-events", !on)));
     press("dark / light", () => {
       const root = document.documentElement;
@@ -358,7 +262,6 @@ const railhilFigures = (() => {
 
   document.documentElement.classList.add("scripts");
   for (const element of document.querySelectorAll(".chart")) all.push(new Chart(element));
-  for (const chart of all) chart.listen();
   dress();
   // For tests and for whoever looks with the browser's console.
   return {charts: all, value};
