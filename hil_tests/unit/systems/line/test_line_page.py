@@ -64,7 +64,7 @@ def test_a_zoom_moves_the_named_lines_and_shows_names_that_had_no_room(pages: di
     page = chromium.new_page(viewport={"width": 1200, "height": 900})
     page.goto(pages["one"].as_uri())
     chart = "railhilFigures.charts.find(one => one.plot.querySelector('.across'))"
-    assert page.evaluate(f"{chart}.zoom(5900, 6700)") is None
+    assert page.evaluate(f"{chart}.view.zoom(5900, 6700)") is None
     places = page.evaluate(f"[...{chart}.plot.querySelectorAll('.across')].map(one => [Number(one.dataset.at), "
                            "Number(one.getAttribute('transform').match(/[-\\d.]+/)[0])])")  # fmt: skip
     width_px = page.evaluate(f"{chart}.box[2]")
