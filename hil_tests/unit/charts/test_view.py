@@ -1,4 +1,4 @@
-"""A chart of the panel and a figure of a page do the same for a reader: range, cursor and values come from one program."""
+"""A chart of the panel and a figure of a page do the same for a reader: range, cursor and values are of one program."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ for (const height of [200, 120]) railhilCharts.chart(inside,
   {{x: {{label: "time", unit: "s"}}, height, sync: "both", series: [{{label: "one", unit: "m"}}]}}, data);
 inside.querySelector(".u-over").addEventListener("click", event => picked.push(event.offsetX));
 """
+_CLICKS = "document.querySelector('.chart > svg').onclick = event => picked.push(event.offsetX)"
 
 
 def _page(kind: str) -> str:
@@ -42,7 +43,7 @@ def _page(kind: str) -> str:
         curve = Curve("one", _X, _Y, unit="m")
         charts = [Chart([curve], "time (s)", sync="both"), Chart([curve], "time (s)", sync="both", height_px=90)]
         body = markup(Figure("f", "Figure", "", charts))
-        scripts += [static_text("figures.js"), "document.querySelector('.chart > svg').onclick = e => picked.push(e.offsetX)"]
+        scripts += [static_text("figures.js"), _CLICKS]
     text = "\n".join(scripts)
     return f"<!doctype html><style>{styles}</style><main style='width:900px'>{body}</main><script>{text}</script>"
 
