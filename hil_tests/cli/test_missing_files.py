@@ -20,6 +20,7 @@ BESIDE = {
     "railhil export-c": ("ipfc", "--out", "x"), "railhil panel": ("--port", "0"), "railhil new line": ("mine",),
     "railhil learn": ("yizhuang_stop",), "railhil sequence run": ("yizhuang_stop",),
     "railhil branch": ("--no-return",), "railhil probability": ("--requirement", "A-1"),
+    "railhil query": ("select 1",),
 }  # fmt: skip
 
 

@@ -36,6 +36,8 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "reproduce": "run the protocol of a paper, compare with its tables",
     },
     "look at runs": {
+        "runs": "an index of all run folders: table, groups, page",
+        "query": "SQL over this index",
         "panel": "a page in the browser: the run on a bus, or recorded runs",
         "watch": "the run on a bus in the terminal (listens only)",
         "score": "score a recorded log",

@@ -1,0 +1,179 @@
+"""The index of a directory: what it reads of each kind of folder, and when it reads again."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.run_folders import write_run
+from railhil.common.errors import InputError
+from railhil.index.find import INDEX, find_folders
+from railhil.index.show import Row, all_rows
+from railhil.index.tables import open_index
+
+_REACTION = {
+    "begun_s": 1.0, "effective_s": 1.5, "detected_by": "", "detected_s": None, "reaction": "NORMAL", "reaction_s": None,
+    "verdict": "PASS", "failures": [], "refused": "",
+}  # fmt: skip
+
+
+def _rows(root: Path) -> dict[str, Row]:
+    return {row["folder"]: row for row in all_rows(open_index(root))}
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Path:
+    """Two runs, one of them in a folder of its own."""
+    write_run(tmp_path / "one")
+    write_run(tmp_path / "deep" / "er" / "two", "tpfc1", "FAIL", seed=7, faults=["speed stuck @60s for 2s"])
+    return tmp_path
+
+
+def test_each_run_has_its_facts_and_its_scores(runs: Path) -> None:
+    found = _rows(runs)
+    assert list(found) == ["one", "deep/er/two"] or list(found) == ["deep/er/two", "one"]
+    two = found["deep/er/two"]
+    assert (two["kind"], two["law"], two["seed"], two["verdict"]) == ("run", "tpfc1", 7, "FAIL")
+    assert (two["stop_error_m"], two["signed_stop_error_m"]) == (0.1, -0.1)
+    assert two["faults"] == ["speed stuck @60s for 2s"]
+    assert two["line"].startswith("stop error")
+    assert open_index(runs).tables["events"].num_rows == 4
+
+
+def test_only_what_has_changed_is_read_again(runs: Path) -> None:
+    assert open_index(runs).new == {"one", "deep/er/two"}
+    assert open_index(runs).new == frozenset()
+    write_run(runs / "three", verdict="INVALID")
+    shutil.rmtree(runs / "one")
+    index = open_index(runs)
+    assert index.new == {"three"}
+    assert set(index.tables["folders"]["folder"].to_pylist()) == {"three", "deep/er/two"}
+    assert set(index.tables["events"]["folder"].to_pylist()) == {"three", "deep/er/two"}
+    write_run(runs / "three", verdict="FAIL")
+    assert open_index(runs).new == {"three"}
+    assert _rows(runs)["three"]["verdict"] == "FAIL"
+
+
+def test_the_index_is_the_same_whether_it_was_kept_or_made_again(runs: Path) -> None:
+    open_index(runs)
+    write_run(runs / "three", scores={"stop_error_m": 0.2, "comfort": 1.5})
+    kept, again = open_index(runs), open_index(runs, again=True)
+    for name, table in again.tables.items():
+        assert sorted(map(str, table.to_pylist())) == sorted(
+            map(str, kept.tables[name].select(table.column_names).to_pylist())
+        )
+        assert set(kept.tables[name].column_names) == set(table.column_names)
+
+
+@pytest.mark.parametrize("damage", ["cut", "gone", "other"])
+def test_a_damaged_index_is_made_again(runs: Path, damage: str) -> None:
+    wanted = _rows(runs)
+    table = runs / INDEX / "runs.parquet"
+    if damage == "cut":
+        table.write_bytes(table.read_bytes()[:100])
+    elif damage == "gone":
+        table.unlink()
+    else:
+        # That of another directory.
+        other = runs / "other"
+        write_run(other / "x")
+        open_index(other)
+        shutil.copy(other / INDEX / "runs.parquet", table)
+        shutil.rmtree(other)
+    found = _rows(runs)
+    assert [row | {"is_new": True} for row in found.values()] == list(wanted.values())
+
+
+def test_an_edited_document_has_no_result(runs: Path) -> None:
+    for name, folder in (("certificate.json", "one"), ("score.json", "deep/er/two")):
+        path = runs / folder / name
+        path.write_text(path.read_text().replace("FAIL", "PASS").replace('"seed": 0', '"seed": 1'))
+    found = _rows(runs)
+    for name, folder in (("certificate.json", "one"), ("score.json", "deep/er/two")):
+        assert name in found[folder]["problem"]
+        assert "a file that nobody changed" in found[folder]["problem"]
+        assert found[folder]["verdict"] is None
+        assert "stop_error_m" not in found[folder] or found[folder]["stop_error_m"] is None
+
+
+def test_a_run_that_did_not_end_and_a_damaged_one_are_told(runs: Path) -> None:
+    (runs / "killed").mkdir()
+    (runs / "killed" / "frames.log").write_text("")
+    (runs / "one" / "certificate.json").write_text("{")
+    found = _rows(runs)
+    assert found["killed"]["problem"].startswith("did not come to its end")
+    assert "cannot be read" in found["one"]["problem"]
+    assert found["deep/er/two"]["problem"] == ""
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", "{}", '{"hunt": []}', '{"hunt": {}, "scenario": 3}', '{"rows": 1, "runs": 2, "first": 3}']
+)
+@pytest.mark.parametrize("document", ["hunt.json", "campaign.json", "sequence.json", "faults.json", "compare.json"])
+def test_a_document_with_other_keys_ends_no_index(runs: Path, document: str, text: str) -> None:
+    (runs / "odd").mkdir()
+    (runs / "odd" / document).write_text(text)
+    found = _rows(runs)
+    assert len(found) == 3
+    assert found["odd"]["verdict"] in (None, "INVALID")
+
+
+def test_studies_say_their_result_in_a_line(runs: Path) -> None:
+    for name, document in {
+        "compare": {"scenario": "s", "seed": 3, "runs": [
+            {"folder": "a", "label": "ipfc", "verdict": "PASS"}, {"folder": "b", "label": "pid", "verdict": "FAIL"}]},
+        "sequence": {
+            "first": {"scenario": "s", "controller": "ilc_stop", "seed": 0}, "runs": 4, "made": [{"verdict": "PASS"}]},
+        "faults": {"scenario": "s", "controller": "ipfc", "rows": [
+            _REACTION | {"entry": "S1", "margin_ms": 12.5},
+            _REACTION | {"entry": "S2", "verdict": "FAIL", "failures": ["late"]}]},
+        "hunt": {"hunt": {"scenario": "s", "law": "ipfc"}},
+    }.items():  # fmt: skip
+        (runs / name).mkdir()
+        (runs / name / f"{name}.json").write_text(json.dumps(document))
+    summary = {
+        "runs": 9,
+        "requirements": [{"id": "A-1", "verdict": "violated", "margin": -0.2}, {"id": "A-2", "verdict": "kept"}],
+    }
+    (runs / "hunt" / "summary.json").write_text(json.dumps(summary))
+    found = _rows(runs)
+    assert (found["compare"]["verdict"], found["compare"]["line"]) == ("FAIL", "ipfc PASS, pid FAIL")
+    assert (found["sequence"]["verdict"], found["sequence"]["line"]) == ("PASS", "1 of 4 runs")
+    assert (found["faults"]["verdict"], found["faults"]["line"]) == ("FAIL", "2 entries, not as they must be: S2")
+    assert found["hunt"]["line"] == "9 runs, violated: A-1"
+    assert found["hunt"]["requirement"] == {"A-1": "violated", "A-2": "kept"}
+    assert open_index(runs).tables["reactions"]["margin_ms"].to_pylist() == [12.5, None]
+
+
+def test_the_instant_is_that_of_the_name_else_that_of_the_document(tmp_path: Path) -> None:
+    write_run(tmp_path / "20261128T164714Z-lvshun_tieshan-ipfc")
+    os.utime(write_run(tmp_path / "mine") / "certificate.json", (0, 1_000_000_000))
+    made = {one.folder: one.made.isoformat() for one in find_folders(tmp_path)[0]}
+    assert made["20261128T164714Z-lvshun_tieshan-ipfc"] == "2026-11-28T16:47:14+00:00"
+    assert made["mine"] == "2001-09-09T01:46:40+00:00"
+
+
+def test_a_run_folder_itself_is_a_directory_of_one(runs: Path) -> None:
+    assert list(_rows(runs / "one")) == ["."]
+
+
+def test_a_directory_that_is_not_there_is_refused_and_nothing_is_made(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="does not exist, expected a directory with run folders"):
+        open_index(tmp_path / "nowhere")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_directory_that_cannot_be_written_has_an_index_all_the_same(runs: Path) -> None:
+    (runs / INDEX).write_text("")
+    index = open_index(runs)
+    assert len(index.new) == 2
+    assert any("not kept" in one for one in index.remarks)
+
+
+def test_links_are_not_followed(runs: Path) -> None:
+    (runs / "loop").symlink_to(runs)
+    assert len(_rows(runs)) == 2

@@ -1,0 +1,97 @@
+"""The folders of runs and studies below a directory."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from railhil.common.errors import InputError, Words, describe_os_error
+from railhil.judge.events.event import EVENTS
+from railhil.record.documents import CERTIFICATE, SCORE
+from railhil.record.hash_list import DOCUMENTS, HASH_LIST, REPORT, SIGNATURE
+from railhil.study.parts import PARTS, SUMMARY
+
+#: The folder of the index, in the directory whose folders it has.
+INDEX = ".railhil-index"
+#: The kind of the folder of a run; the kind of every other folder is the name of its document.
+RUN = "run"
+_LOG = "frames.log"
+#: Files whose contents are in the index, and those that say something by being there.
+_READ = (*DOCUMENTS, SCORE, SUMMARY, EVENTS, HASH_LIST, SIGNATURE, REPORT, _LOG)
+#: The instant with which names of usual folders begin (:func:`railhil.record.run_folder.run_folder`).
+_STAMP = re.compile(r"(\d{8}T\d{6}Z)-")
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """One folder.
+
+    ``folder``: below the directory, with ``/``; ``.`` for the directory itself. ``document``: the file that marks it as
+    complete; empty: a run that did not come to its end. ``stamp``: differs when a file has changed that the index has
+    read. ``made``: begin of the run or study where the name of the folder tells it, else the date of the document.
+    ``names``: its files among those that the index knows.
+    """
+
+    folder: str
+    document: str
+    stamp: str
+    made: datetime
+    names: frozenset[str]
+
+    @property
+    def kind(self) -> str:
+        """``run``, or the name of its document."""
+        return RUN if self.document in ("", CERTIFICATE) else self.document.removesuffix(".json")
+
+
+def find_folders(root: Path) -> tuple[list[Found], list[str]]:
+    """All folders in the order of their names, and a sentence for each directory that cannot be read.
+
+    Symbolic links are not followed.
+
+    :raises InputError: there is no such directory.
+    """
+    allowed = "a directory with run folders"
+    if not root.is_dir():
+        raise InputError(root, "", Words("is no directory" if root.exists() else "does not exist"), allowed)
+    unread: list[str] = []
+    return sorted(_walk(root, "", unread), key=lambda one: one.folder), unread
+
+
+def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
+    files: dict[str, os.stat_result] = {}
+    folders = []
+    try:
+        with os.scandir(place) as entries:
+            for entry in entries:
+                if entry.is_dir(follow_symlinks=False):
+                    if entry.name != PARTS and not entry.name.startswith("."):
+                        folders.append(entry.name)
+                elif entry.name in _READ:
+                    files[entry.name] = entry.stat()
+    except OSError as error:
+        unread.append(f"{place} cannot be read: {describe_os_error(error)}")
+        return
+    document = next((name for name in DOCUMENTS if name in files), "")
+    if document or _LOG in files:
+        yield _found(place.name, below or ".", document, files)
+    for name in folders:
+        yield from _walk(place / name, f"{below}/{name}" if below else name, unread)
+
+
+def _found(name: str, below: str, document: str, files: Mapping[str, os.stat_result]) -> Found:
+    # The log of a finished run is not read, and a page is only linked.
+    read = {one: found for one, found in files.items() if one != REPORT and (one != _LOG or not document)}
+    stamp = " ".join(f"{one}:{found.st_mtime_ns}:{found.st_size}" for one, found in sorted(read.items()))
+    begun = _STAMP.match(name)
+    if begun:
+        made = datetime.strptime(begun[1], "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
+    else:
+        made = datetime.fromtimestamp(files[document or _LOG].st_mtime, UTC)
+    names = frozenset(one for one, found in files.items() if stat.S_ISREG(found.st_mode))
+    return Found(below, document, f"{stamp} {REPORT in files}", made, names)
