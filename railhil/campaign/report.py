@@ -16,8 +16,8 @@ from railhil.campaign.study import CAMPAIGN
 from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
 from railhil.judge.judging import Judging, Noted
-from railhil.record.hash_list import REPORT, check_hash_list, listed_file
-from railhil.report.templates import script, styles_text, template
+from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.report.templates import render_page, write_html
 from railhil.scenarios.given import RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
@@ -34,7 +34,9 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, 
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
-    return template("campaign.html.j2", "railhil.campaign").render(
+    return render_page(
+        "campaign.html.j2",
+        "railhil.campaign",
         summary=summary,
         title=plan.scenario.title,
         asked=plan.judging.asked(plan.scenario),
@@ -45,8 +47,6 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, 
             _worst(label, run, folder, plan.judging) for label, law in summary["laws"].items() for run in law["worst"]
         ],
         spread_picture=distributions(summary, plan.criteria, table),
-        chart_scripts=script(),
-        chart_styles=styles_text(),
     )
 
 
@@ -114,6 +114,4 @@ def report_of(folder: Path, out: Path) -> None:
     told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)
     if told != sha256:
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
-    text = page(plan, summary, table, folder, begun.railhil)
-    with listed_file(out) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_html(page(plan, summary, table, folder, begun.railhil), out)

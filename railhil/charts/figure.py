@@ -161,7 +161,7 @@ def looks(curves: Sequence[Curve]) -> list[Look]:
 
 
 def extent(chart: Chart, axis: str) -> tuple[float, float]:
-    """Range of an axis: its bounds, or the range of the curves with a margin above and below.
+    """Range of an axis: its bounds, or the range of curves, points and bands with a margin above and below.
 
     :param axis: ``x`` or ``y``.
     """
@@ -170,6 +170,7 @@ def extent(chart: Chart, axis: str) -> tuple[float, float]:
         found = [getattr(curve, axis) for curve in chart.curves] + [
             np.array([getattr(point, axis)]) for point in chart.points
         ]
+        found += [edge for band in chart.bands for edge in (band.low, band.high)] if axis == "y" else []
         values = np.concatenate([np.asarray(one, dtype=np.float64) for one in found]) if found else np.empty(0)
         values = values[np.isfinite(values) & (values > 0.0)] if chart.is_log else values[np.isfinite(values)]
         least, most = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)

@@ -19,9 +19,8 @@ from railhil.judge.requirements.names import Names
 from railhil.judge.requirements.outcome import Outcome, Part, judge_one
 from railhil.judge.requirements.requirement import Requirement
 from railhil.record.documents import CERTIFICATE
-from railhil.record.hash_list import listed_file
 from railhil.record.trace import Trace
-from railhil.report.templates import script, styles_text, template
+from railhil.report.templates import render_page, write_html
 
 #: Cases with figures; further ones have their table row and command alone.
 _DRAWN_MAX = 12
@@ -34,7 +33,9 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
 
     :param summary: with the least cases as ``found``.
     """
-    return template("hunt.html.j2", "railhil.hunt").render(
+    return render_page(
+        "hunt.html.j2",
+        "railhil.hunt",
         summary=summary,
         title=f"Hunt on {plan.scenario.title}",
         law=f"{plan.base.law.label} {plan.base.law.arithmetic}",
@@ -44,8 +45,6 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         strategies=summary["strategies"],
         tight=[(one["id"], tight_sentence(one)) for one in summary.get("tight", ())],
         cases=[_case(plan, one, folder, place < _DRAWN_MAX) for place, one in enumerate(summary["found"])],
-        chart_scripts=script(),
-        chart_styles=styles_text(),
     )
 
 
@@ -111,6 +110,4 @@ def write_page(plan: Plan, summary: Mapping[str, Any], folder: Path, out: Path) 
 
     :raises OSError: it cannot be written.
     """
-    text = page(plan, summary, folder)
-    with listed_file(out) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_html(page(plan, summary, folder), out)

@@ -12,8 +12,7 @@ import numpy as np
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
-from railhil.record.hash_list import listed_file
-from railhil.report.templates import script, styles_text, template
+from railhil.report.templates import render_page, write_html
 
 _HEIGHT_PX, _BAR_PX = 200, 22
 #: Causes with a smaller share have no bar.
@@ -23,14 +22,14 @@ _CAUSE_MIN = 0.005
 def page(plan: Plan, summary: Mapping[str, Any]) -> str:
     """The report as one HTML document without external references."""
     first, *told = lines(plan, summary, Path())
-    return template("probability.html.j2", "railhil.probability").render(
+    return render_page(
+        "probability.html.j2",
+        "railhil.probability",
         title=f"Probability on {plan.scenario.title}",
         says=plan.requirement.says,
         lead=first,
         lines=[line.strip() for line in told],
         pictures=[one for one in (_levels(summary), _repetitions(summary), _causes(summary)) if one is not None],
-        chart_scripts=script(),
-        chart_styles=styles_text(),
     )
 
 
@@ -95,6 +94,4 @@ def write_page(plan: Plan, summary: Mapping[str, Any], out: Path) -> None:
 
     :raises OSError: it cannot be written.
     """
-    text = page(plan, summary)
-    with listed_file(out) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_html(page(plan, summary), out)

@@ -19,7 +19,7 @@ from railhil.judge.reactions.catalogue import ENDS
 from railhil.judge.reactions.evaluate import Row
 from railhil.record.documents import FAULT_TABLE, read_fault_table
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.report.templates import render_page, write_page
+from railhil.report.templates import render_page, write_html
 
 _PERCENT_MAX = 100.0
 
@@ -139,4 +139,4 @@ def report_of(folders: Sequence[Path], out: Path) -> None:
     :raises InputError: as :func:`read_table`, or it is a file of a signed folder.
     :raises OSError: it cannot be written.
     """
-    write_page(page([read_table(folder, f"table-{place}", out) for place, folder in enumerate(folders, 1)]), out)
+    write_html(page([read_table(folder, f"table-{place}", out) for place, folder in enumerate(folders, 1)]), out)

@@ -69,7 +69,7 @@ def render_page(name: str, package: str = _HERE, **values: Any) -> str:
     return template(name, package).render(chart_scripts=script(), chart_styles=styles_text(), **values)
 
 
-def write_page(text: str, out: Path) -> None:
+def write_html(text: str, out: Path) -> None:
     """Write a page completely or not at all.
 
     :raises InputError: it is a file of a signed folder.

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 import pyarrow as pa
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from railhil.campaign.rows import column_of
+from railhil.charts.figure import Area, Band, Chart, Curve, Figure, Look
 from railhil.common.digits import count_of
 from railhil.judge.judging import SequenceMeasure, sequence_measures
-from railhil.report.pictures import Picture, stacked
-from railhil.report.styles import Style
 from railhil.sequences.plan import Plan
 from railhil.sequences.summary import tail_runs
 from railhil.sequences.table import by_run, memories
@@ -25,9 +22,12 @@ Floats: TypeAlias = NDArray[np.float64]
 _BINS = 40
 #: Figures of a memory that are drawn at most; the table has all values.
 _KEPT_MAX = 12
+_NUMBER = "number of the run"
+#: A word by which charts over the number of the run share cursor and zoom.
+_SYNC = "run"
 
 
-def pictures(plan: Plan, table: pa.Table) -> list[Picture]:
+def figures(plan: Plan, table: pa.Table) -> list[Figure]:
     """All figures.
 
     :param table: rows of ``results.parquet``.
@@ -36,124 +36,100 @@ def pictures(plan: Plan, table: pa.Table) -> list[Picture]:
     for measure in sequence_measures(plan.scenario, plan.judging):
         values = by_run(table, column_of(measure.criterion), runs)
         if not np.isnan(values).all():
-            found += [_curve(measure, values), _histogram(measure, values)]
+            found += [_learning(measure, values), _histogram(measure, values)]
     return [*found, *_kept(memories(table, runs))]
 
 
-def _numbers(runs: int) -> Floats:
-    return np.arange(1.0, runs + 1.0)
+def _numbers(values: Floats) -> Floats:
+    return np.arange(1.0, values.shape[1] + 1.0)
 
 
 def _known(values: Floats) -> Floats:
     return values[~np.isnan(values)]
 
 
-def _by_run(values: Floats, figure: Any) -> Floats:
+def _by_run(values: Floats, figure: Callable[[Floats], Any]) -> Floats:
     """A figure of the known values of each run, NaN for a run without any."""
     columns = [_known(column) for column in values.T]
     return np.array([figure(column) if len(column) else math.nan for column in columns])
 
 
-def _band(axes: Axes, values: Floats, style: Style, label: str) -> None:
-    """Mean of each run, and the band in which 90 % of its values are."""
-    x = _numbers(values.shape[1])
-    low, high = (_by_run(values, lambda column, q=q: np.quantile(column, q)) for q in (0.05, 0.95))
-    axes.fill_between(x, low, high, color=style.colour, alpha=0.18, linewidth=0)
-    axes.plot(x, _by_run(values, np.mean), color=style.colour, marker="o", markersize=3, linewidth=1.2, label=label)
+def _spread(values: Floats, label: str, **chart: Any) -> Chart:
+    """Mean of each run, and the band in which 90 % of its values are.
+
+    :param label: of the values, with their unit.
+    """
+    low, high = (_by_run(values, lambda column, q=q: np.quantile(column, q)) for q in (0.05, 0.95))  # type: ignore[misc]
+    band = Band("90 %", _numbers(values), low, high, Look("0"))
+    mean = Curve("mean", _numbers(values), _by_run(values, np.mean), Look("0"))
+    return Chart([mean], y_label=label, bands=[band], sync=_SYNC, **chart)
 
 
-def _by_number(axes: Axes) -> None:
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(xlabel="number of the run")
-
-
-def _curve(measure: SequenceMeasure, values: Floats) -> Picture:
-    criterion = measure.criterion
-    unit = criterion.unit_typeset
-
-    def errors(axes: Axes) -> None:
-        axes.axhspan(-measure.converged, measure.converged, color="0.92")
-        _band(axes, values, Style(0), "mean and 90 %")
-        axes.set(ylabel=f"{criterion.brief} ({unit})")
-
-    def sizes(axes: Axes) -> None:
-        x = _numbers(values.shape[1])
-        for number, (name, figure) in enumerate(
-            (("mean error", lambda one: np.mean(np.abs(one))), ("rms", lambda one: np.sqrt(np.mean(one**2))))
-        ):
-            axes.plot(
-                x, _by_run(values, figure), color=Style(number).colour, marker="os"[number], markersize=3, label=name
-            )
-        axes.set(ylabel=f"error ({unit})", yscale="log")
-        # The usual labels of such an axis are formulas, which the style of the pictures leaves as they are.
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        axes.yaxis.set_minor_formatter(NullFormatter())
-
-    def shares(axes: Axes) -> None:
-        sizes_of = np.nan_to_num(np.abs(values), nan=math.inf)
-        for number, limit in enumerate(measure.within):
-            inside = 100 * np.mean(sizes_of <= limit, axis=0)
-            axes.plot(
-                _numbers(values.shape[1]), inside, color=Style(number + 2).colour, marker="D^v"[number % 3],
-                markersize=3, label=f"within {limit:g} {criterion.unit}",
-            )  # fmt: skip
-        axes.set(ylabel="sequences (%)", ylim=(-3, 103))
-        _by_number(axes)
-
+def _learning(measure: SequenceMeasure, values: Floats) -> Figure:
+    criterion, numbers = measure.criterion, _numbers(values)
+    limits = (-measure.converged, measure.converged)
+    converged = f"+-{measure.converged:g} {criterion.unit}"
+    sizes = {"mean error": lambda one: np.mean(np.abs(one)), "rms": lambda one: np.sqrt(np.mean(one**2))}
+    inside = np.nan_to_num(np.abs(values), nan=math.inf)
+    charts = [
+        _spread(
+            values,
+            f"{criterion.brief} ({criterion.unit_typeset})",
+            areas=[Area(None, limits, "allowed", converged, label=converged)],
+        ),
+        Chart(
+            [Curve(name, numbers, _by_run(values, figure)) for name, figure in sizes.items()],
+            y_label=f"error ({criterion.unit_typeset})",
+            sync=_SYNC,
+        ),
+        Chart(
+            [
+                Curve(f"within {limit:g} {criterion.unit}", numbers, 100 * np.mean(inside <= limit, axis=0), unit="%")
+                for limit in measure.within
+            ],
+            _NUMBER,
+            "sequences (%)",
+            y_bounds=(0.0, 102.0),
+            sync=_SYNC,
+        ),
+    ]
     caption = (
         f"{criterion.title.capitalize()} by the number of the run, over {count_of(len(values), 'sequence')}: mean "
-        "and the band of 90 %, mean and rms of its magnitude, share of the sequences inside. "
-        f"Grey: +-{measure.converged:g} {criterion.unit}."
+        "and the band of 90 %, mean and rms of its magnitude, share of the sequences inside."
     )
-    return stacked(f"learning-{criterion.key}", f"Learning: {criterion.title}", caption, [errors, sizes, shares])
+    return Figure(f"learning-{criterion.key}", f"Learning: {criterion.title}", caption, charts)
 
 
-def _histogram(measure: SequenceMeasure, values: Floats) -> Picture:
+def _histogram(measure: SequenceMeasure, values: Floats) -> Figure:
     criterion, last = measure.criterion, tail_runs(values.shape[1])
-    groups = (("first run", values[:, :1]), (f"last {last} runs", values[:, -last:]))
-
-    def drawn(name: str, group: Floats, number: int) -> Any:
-        def draw(axes: Axes) -> None:
-            known = _known(group.ravel())
-            axes.axvspan(-measure.converged, measure.converged, color="0.92")
-            axes.hist(known, bins=_BINS, color=Style(number).colour, alpha=0.75, label=f"{name} ({len(known)})")
-            axes.set(ylabel="runs", xlabel=f"{criterion.title} ({criterion.unit_typeset})")
-
-        return draw
-
-    rows = [drawn(name, group, number) for number, (name, group) in enumerate(groups) if len(_known(group.ravel()))]
+    groups = {"first run": _known(values[:, 0]), f"last {last} runs": _known(values[:, -last:])}
+    limits = Area((-measure.converged, measure.converged), None, "allowed")
+    charts = []
+    for place, (name, known) in enumerate((name, known) for name, known in groups.items() if len(known)):
+        counts, edges = np.histogram(known, _BINS)
+        runs = np.append(counts, 0).astype(np.float64)
+        bars = Curve(f"{name} ({len(known)})", edges, runs, Look(str(place)), is_step=True, is_filled=True)
+        charts.append(Chart([bars], f"{criterion.title} ({criterion.unit_typeset})", "runs", areas=[limits]))
     caption = f"{criterion.title.capitalize()} of the first run and of the last {last} runs of each sequence."
-    return stacked(f"histogram-{criterion.key}", f"Distribution: {criterion.title}", caption, rows)
+    return Figure(f"histogram-{criterion.key}", f"Distribution: {criterion.title}", caption, charts)
 
 
-def _kept(found: Sequence[Sequence[Mapping[str, Any] | None]]) -> list[Picture]:
+def _kept(found: Sequence[Sequence[Mapping[str, Any] | None]]) -> list[Figure]:
     """Numbers that the law keeps after each run, without those that are always the same."""
     flat = [[{} if values is None else dict(_leaves("", values)) for values in sequence] for sequence in found]
-    names = list(dict.fromkeys(name for sequence in flat for values in sequence for name in values))
-    drawn: list[tuple[str, Floats]] = []
-    for name in names:
-        values = np.array([[one.get(name, math.nan) for one in sequence] for sequence in flat])
-        if len(np.unique(_known(values))) > 1:
-            drawn.append((name, values))
+    names = dict.fromkeys(name for sequence in flat for values in sequence for name in values)
+    arrays = {name: np.array([[one.get(name, math.nan) for one in sequence] for sequence in flat]) for name in names}
+    drawn = [(name, values) for name, values in arrays.items() if len(np.unique(_known(values))) > 1]
     if not drawn:
         return []
-
-    def row(name: str, values: Floats) -> Any:
-        def draw(axes: Axes) -> None:
-            _band(axes, values, Style(1), "mean and 90 %" if name == drawn[0][0] else "")
-            axes.set_ylabel(name, fontsize=7)
-            _by_number(axes)
-
-        return draw
-
     left_out = len(drawn) - _KEPT_MAX
     caption = "What the law has left after each run: mean over the sequences, and the band of 90 %."
     caption += f" {left_out} further figures are in results.parquet." if left_out > 0 else ""
-    return [stacked("memory", "What the law keeps", caption, [row(*one) for one in drawn[:_KEPT_MAX]])]
+    charts = [_spread(values, name, x_label=_NUMBER, share=0.5) for name, values in drawn[:_KEPT_MAX]]
+    return [Figure("memory", "What the law keeps", caption, charts)]
 
 
-def _leaves(name: str, value: Any) -> Any:
+def _leaves(name: str, value: Any) -> Iterator[tuple[str, float]]:
     """Numbers in nested values, each with its path; elements of a list by their place."""
     if isinstance(value, bool) or value is None:
         return

@@ -13,11 +13,10 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
-from railhil.record.hash_list import listed_file
-from railhil.report.templates import styles_text, template
+from railhil.report.templates import render_page, write_html
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.sequences.one import through_nodes
-from railhil.sequences.pictures import pictures
+from railhil.sequences.pictures import figures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
@@ -29,15 +28,16 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
 
     :param table: rows of ``results.parquet``.
     """
-    return template("learn.html.j2", "railhil.sequences").render(
+    return render_page(
+        "learn.html.j2",
+        "railhil.sequences",
         summary=summary,
         title=plan.scenario.title,
         asked=plan.judging.asked(plan.scenario),
         converged=[converged(one, summary["sequences"]) for one in summary["measures"].values()],
-        pictures=pictures(plan, table),
+        pictures=figures(plan, table),
         examples=_examples(plan, table),
         facts=_facts(plan, summary),
-        chart_styles=styles_text(),
     )
 
 
@@ -86,6 +86,4 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
 
 def write_page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, path: Path) -> None:
     """Write the report. Raises OSError."""
-    text = page(plan, summary, table)
-    with listed_file(path) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_html(page(plan, summary, table), path)
