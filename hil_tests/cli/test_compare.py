@@ -135,15 +135,17 @@ def test_csv_holds_the_same_figures(compared: Compared) -> None:
 @pytest.mark.slow
 @pytest.mark.loop
 def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, tmp_path: Path) -> None:
-    first = (compared.folder / "report.html").read_bytes()
+    """In the same place; elsewhere the links to the folders have other addresses."""
+    path = compared.folder / "report.html"
+    first = path.read_bytes()
     assert b"3 runs, compared" in first
-    out = tmp_path / "again.html"
-    done = railhil("report", compared.folder, "--out", out)
-    assert (done.exit_code, done.out) == (0, f"{out}\n")
-    assert out.read_bytes() == first
+    done = railhil("report", compared.folder, "--out", path)
+    assert (done.exit_code, done.out) == (0, f"{path}\n")
+    assert path.read_bytes() == first
     folders = [compared.folder / run["folder"] for run in compared.document["runs"]]
     assert railhil("report", *folders, cwd=tmp_path).exit_code == 0
-    assert (tmp_path / "report.html").read_bytes() == first
+    link = rb'<a href="[^"#]*/([^"/]*)">'
+    assert re.sub(link, rb"<a \1>", (tmp_path / "report.html").read_bytes()) == re.sub(link, rb"<a \1>", first)
     full = railhil("report", compared.folder, "--out", "/dev/full")
     assert full.exit_code == 4
     assert full.one_line() == "railhil: /dev/full cannot be written: no space left on device"

@@ -45,7 +45,8 @@ def markup(figure: Figure) -> str:
     filled = 0.0
     for chart in figure.charts:
         if filled == 0.0:
-            found.append('<div class="row">')
+            # The numbers of its horizontal axis stand below the next row.
+            found.append(f'<div class="row{"" if chart.x_label else " above"}">')
         found.append(_chart(figure, chart, left_px, stretches))
         filled += chart.share
         if filled > 0.99:

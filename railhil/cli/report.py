@@ -72,7 +72,7 @@ def work(namespace: argparse.Namespace) -> int:
     notes += [note for record in records for note in record.notes]
     notes += _no_return(records) if namespace.no_return else []
     check_one_scenario(records)
-    return _write(given, namespace, lambda out: write_report(records, out, list(dict.fromkeys(notes)), folders))
+    return _write(given, namespace, lambda out: write_report(records, out, list(dict.fromkeys(notes))))
 
 
 def _write(given: Sequence[Path], namespace: argparse.Namespace, write: Callable[[Path], None]) -> int:

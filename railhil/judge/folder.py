@@ -27,7 +27,7 @@ from railhil.judge.training_seeds import seed_was_trained
 from railhil.record.blf_writer import write_blf
 from railhil.record.documents import CERTIFICATE, SCORE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import json_text, write_json
+from railhil.record.run_folder import json_text, recorded_by, write_json
 from railhil.record.telemetry import NOTHING_LEARNED
 from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.run_spec import RunSpec, StartUp
@@ -185,6 +185,7 @@ def certificate(result: Result, code: str) -> dict[str, Any]:
         "line": result.line,
         "command": run_command(spec, result.bus_words),
         "command_needs": rerun_needs(spec.start_up),
+        "recorded": recorded_by(),
         "machine": machine(),
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),

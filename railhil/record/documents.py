@@ -139,6 +139,12 @@ class _FaultTable(_MadeBy):
     rows: list[_FaultRow]
 
 
+class _Recorded(_Part):
+    utc: str
+    host: str
+    operator: str
+
+
 class _Certificate(_MadeBy):
     scenario: str | None = None
     scenario_sha256: str | None = None
@@ -181,6 +187,7 @@ class _Certificate(_MadeBy):
     command_needs: str | None = None
     dbc_sha256: str | None = None
     hash_list: str | None = None
+    recorded: _Recorded | None = None
     target: Target | None = None
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import getpass
 import json
+import os
+import platform
 import shutil
 import tempfile
 import time
@@ -34,6 +37,20 @@ TELEMETRY, TIMING = "telemetry.json", "timing.csv"
 #: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min
 #: takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
+
+
+def recorded_by() -> dict[str, str]:
+    """The entry ``recorded`` of a certificate: instant, host, and who operated it (``RAILHIL_OPERATOR``, else the user;
+    empty: not known)."""
+    try:
+        operator = os.environ.get("RAILHIL_OPERATOR") or getpass.getuser()
+    except (KeyError, OSError):
+        operator = ""
+    return {
+        "utc": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "host": platform.node(),
+        "operator": operator,
+    }
 
 
 def run_folder(out: str | Path | None, scenario: str, controller: str) -> tuple[Path, bool]:

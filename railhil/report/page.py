@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
-from urllib.parse import quote
 
 import numpy as np
 
@@ -15,10 +13,11 @@ from railhil.charts.figure import Figure
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.judge.stops import worst_stop
-from railhil.record.hash_list import REPORT, listed_file
+from railhil.record.hash_list import listed_file
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
+from railhil.report.origin import Link, folder_files, recorded_sentence, report_address
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
@@ -32,13 +31,19 @@ RUNS_MAX, _WORST = 20, 6
 TEMPLATE: Final = "report.html.j2"
 
 
-def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str] = ()) -> str:
+def page(
+    runs: Sequence[Record],
+    notes: Sequence[str] = (),
+    links: Sequence[str] = (),
+    files: Sequence[tuple[str, Sequence[Link]]] = (),
+) -> str:
     """The report of one run or of several of one scenario, as one HTML document without external references.
 
-    The same records give the same bytes: no date, no path, and no wall-clock figure of a lockstep run.
+    The same records give the same bytes: no absolute path, and no wall-clock figure of a lockstep run.
 
     :param notes: sentences on the comparison as a whole.
     :param links: of the runs, shown for the worst ones of more than :data:`RUNS_MAX`.
+    :param files: of the runs that are drawn, by label.
     """
     runs = [run.copy_with(label=label) for run, label in zip(runs, distinct_labels(runs), strict=True)]
     scenario, judging = runs[0].scenario, runs[0].judging
@@ -62,6 +67,8 @@ def page(runs: Sequence[Record], notes: Sequence[str] = (), links: Sequence[str]
         runs=runs,
         without_paths=without_paths,
         watch=watch_sentence(scenario),
+        recorded=recorded_sentence(runs),
+        files=files,
         notes=notes,
         columns=criteria,
         better=better_sentence(criteria),
@@ -105,20 +112,15 @@ def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
     return runs[0].shown.named(name) if steady else None
 
 
-def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = (), folders: Sequence[Path] = ()) -> None:
-    """Write the report completely or not at all.
+def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = ()) -> None:
+    """Write the report with links to the folders of the runs completely or not at all.
 
-    :param folders: of the runs, to link the worst ones of many.
     :raises InputError: it is a file of a signed folder.
     :raises OSError: it cannot be written.
     """
-    text = page(runs, notes, links=[_link(folder, out) for folder in folders])
+    links = [report_address(run.folder, out) for run in runs]
+    labels = distinct_labels(runs)
+    files = [(label, folder_files(run, out)) for label, run in zip(labels, runs, strict=True)]
+    text = page(runs, notes, links, files if len(runs) <= RUNS_MAX else ())
     with listed_file(out) as draft:
         draft.write_text(text, encoding="utf-8")
-
-
-def _link(folder: Path, out: Path) -> str:
-    """Address of a run relative to the report: its own report, else its folder."""
-    target = folder / REPORT
-    found = os.path.relpath(target if target.is_file() else folder, out.parent)
-    return quote(Path(found).as_posix())

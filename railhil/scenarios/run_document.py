@@ -78,7 +78,7 @@ ENVIRONMENT: Mapping[str, str] = {
 OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
-        *("PURE", "TRACEBACK", "COMPILED", "LABEL", "CACHE", "REQUIRE_ALL", "SAMPLE"),
+        *("PURE", "TRACEBACK", "COMPILED", "LABEL", "CACHE", "REQUIRE_ALL", "SAMPLE", "OPERATOR"),
         *("SEEDS", "RUNS", "NO_CONTROLLER", "TARGET"),
         *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
     )

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from railhil.bus.transports import limits, limits_of
 from railhil.dbc import wire_contract
 from railhil.judge.record import Record, checked_record
 from railhil.record.trace import Trace
-from railhil.report.page import page
+from railhil.report.page import page, write_report
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import Style
 from railhil.report.tables import rows
@@ -363,3 +364,34 @@ def test_sentences_hold_no_folders(run: Record) -> None:
 def test_limits_of_a_transport(transport: str, known: str) -> None:
     assert limits_of(transport) == limits()[known]
     assert "does not know" in limits_of("kvaser:0")
+
+
+def test_the_page_says_when_where_and_by_whom_and_links_the_files(run: Record, other: Record, tmp_path: Path) -> None:
+    told = {"utc": "2026-11-28T22:10:34Z", "host": "bench <3>", "operator": "A. Operator"}
+    later = told | {"utc": "2026-11-29T01:02:03Z", "host": "vm"}
+    version = run.certificate["railhil"]
+    runs = [
+        one.copy_with(certificate=one.certificate | {"recorded": when})
+        for one, when in ((run, told), (other, later))
+    ]  # fmt: skip
+    write_report(runs, tmp_path / "sub folder.html")
+    text = (tmp_path / "sub folder.html").read_text(encoding="utf-8")
+    said = "Recorded 2026-11-28 22:10 to 2026-11-29 01:02 UTC on bench <3>, vm by A. Operator with railhil " + version
+    assert said in words(text)
+    links = [unquote(one) for one in read(text).references if not one.startswith("#")]
+    assert {(tmp_path / one).resolve() for one in links} >= {
+        (one.folder / name).resolve() for one in runs for name in ("certificate.json", "frames.log", "SHA256SUMS")
+    }
+    assert all((tmp_path / one).exists() for one in links)
+    # A certificate of an earlier version says less.
+    earlier = run.copy_with(certificate={key: run.certificate[key] for key in run.certificate.keys() - {"recorded"}})
+    assert f"Recorded with railhil {version}." in words(page([earlier]))
+
+
+def test_contents_name_what_is_on_the_page(run: Record, single: str) -> None:
+    nav = re.search(r"<nav[^>]*>(.*?)</nav>", single)
+    assert nav is not None
+    anchors = re.findall(r'href="#([^"]*)"', nav[1])
+    headed = re.findall(r'<(?:h2|section) id="([^"]*)"', single)
+    assert set(headed) == set(anchors)
+    assert "files" not in anchors

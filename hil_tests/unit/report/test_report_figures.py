@@ -166,8 +166,10 @@ def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
     """The limits are lowered: drawing is what takes long."""
     monkeypatch.setattr(report_page, "RUNS_MAX", 3)
     monkeypatch.setattr(report_page, "_WORST", 1)
+    folders = [tmp_path / f"run {seed}" for seed in range(4)]
     runs = [
         run.copy_with(
+            log=folders[seed] / "frames.log",
             certificate={**run.certificate, "seed": seed},
             score=replace(
                 with_values(run.score, stop_error_m=error), verdict="FAIL" if error is None or error > 0.3 else "PASS"
@@ -175,10 +177,9 @@ def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
         )
         for seed, error in enumerate((0.1, 0.9, None, 0.2))
     ]  # fmt: skip
-    folders = [tmp_path / f"run {seed}" for seed in range(4)]
     folders[2].mkdir()
     (folders[2] / "report.html").touch()
-    write_report(runs, tmp_path / "report.html", (), folders)
+    write_report(runs, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     figure = text[text.index('<figure id="distributions">') :]
     stop = next(part for part in figure.split('<div class="chart"') if ">stop error (m)<" in part)

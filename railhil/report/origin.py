@@ -1,0 +1,47 @@
+"""Where the runs of a page come from: when, where and by whom they were recorded, and the files of their folders."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from urllib.parse import quote
+
+from railhil.judge.record import Record
+from railhil.record.documents import CERTIFICATE
+from railhil.record.hash_list import HASH_LIST, REPORT, listed_files
+
+#: A file of a run folder: its name, and its address relative to the page.
+Link = tuple[str, str]
+
+
+def recorded_sentence(runs: Sequence[Record]) -> str:
+    """When, where, by whom and with which version the runs were recorded, as far as their certificates say it."""
+    known = [one for run in runs if (one := run.certificate.get("recorded"))]
+    instants = sorted(one["utc"][:16].replace("T", " ") for one in known)
+    said = " to ".join(dict.fromkeys(instants[:1] + instants[-1:])) + " UTC" if instants else ""
+    for word, key in (("on", "host"), ("by", "operator")):
+        names = dict.fromkeys(one[key] for one in known if one[key])
+        said += f" {word} {', '.join(names)}" if names else ""
+    versions = dict.fromkeys(str(run.certificate["railhil"]) for run in runs if "railhil" in run.certificate)
+    said += f" with railhil {', '.join(versions)}" if versions else ""
+    return f"Recorded {said.strip()}." if said else ""
+
+
+def address(path: Path, out: Path) -> str:
+    """Address of a file or folder relative to a page."""
+    return quote(Path(os.path.relpath(path, out.parent)).as_posix())
+
+
+def report_address(folder: Path, out: Path) -> str:
+    """Address of a run: its own report, else its folder."""
+    target = folder / REPORT
+    return address(target if target.is_file() else folder, out)
+
+
+def folder_files(run: Record, out: Path) -> list[Link]:
+    """The files of a run folder without its report; of a log elsewhere the log alone."""
+    if not (run.folder / CERTIFICATE).is_file():
+        return [(run.log.name, address(run.log, out))] if run.log.is_file() else []
+    names = [name for name in listed_files(run.folder) if "/" not in name and name != REPORT]
+    return [(name, address(run.folder / name, out)) for name in (*names, HASH_LIST)]
