@@ -101,7 +101,7 @@ def bench(
     item = request.node
     runs = railhil_config.runs or tmp_path_factory.mktemp("railhil")
     made = item.stash[_BENCH] = Bench(
-        railhil_config, _usual(item), item.path.parent, runs, _name(item), _required(item)
+        railhil_config, _usual(item), item.path.parent, runs, requirements.folder_name(item.nodeid), _required(item)
     )  # fmt: skip
     yield made
     made.close()
@@ -129,11 +129,6 @@ def _required(item: pytest.Item) -> list[tuple[str, str]]:
     """Names and sentences of the markers ``requirement`` that require one."""
     marks = item.iter_markers(requirements.PROPERTY)
     return [(mark.args[0], mark.kwargs[_REQUIRES]) for mark in marks if _REQUIRES in mark.kwargs]
-
-
-def _name(item: pytest.Item) -> str:
-    """Name of the run folders of a test: file, test and parameters."""
-    return f"{item.path.stem}.{item.nodeid.partition('::')[2].replace('::', '.')}"
 
 
 def pytest_make_parametrize_id(val: object, argname: str) -> str | None:

@@ -48,6 +48,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
     },
     "check runs": {
         "verify": "check the files of a folder against its hashes and signature",
+        "dossier": "what runs, tests and hunts show of each requirement",
         "branch": "make a recorded run again with other faults from an instant on",
         "rerun": "repeat a recorded run, name the first frame that differs",
         "replay": "drive one node with a recorded log, compare its answers",

@@ -34,6 +34,7 @@ DOCUMENTS: Final = (
     "faults.json",
     "hunt.json",
     "probability.json",
+    "dossier.json",
 )
 #: The page of a folder.
 REPORT: Final = "report.html"

@@ -32,6 +32,13 @@ def add_sign_argument(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_key_argument(parser: argparse.ArgumentParser) -> None:
+    """Register ``--key``."""
+    parser.add_argument(
+        KEY, type=Path, metavar="FILE", help="public SSH key that must have signed, or a file of allowed signers"
+    )
+
+
 def check_key(key: Path | None) -> None:
     """Try the key on an empty text before the work whose result it is to sign.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -44,7 +43,7 @@ class Bench:
     :param usual: arguments of :meth:`run` that the test's markers give.
     :param beside: folder of the test's file: a scenario file there is found by its name.
     :param runs: folder for the run folders, which is made.
-    :param name: of the test; the run folders are named after it.
+    :param name: of the first run folder.
     :param required: names and sentences by which each run is judged.
     """
 
@@ -66,7 +65,7 @@ class Bench:
         self._usual = usual
         self._beside = beside
         self._folder = runs
-        self._name = re.sub(r"[^\w.@=+-]+", "_", name).strip("_")[:120] or "run"
+        self._name = name
         self._live: list[Live] = []
 
     def run(self, *, seed: int = 0, perturbed: bool = False, **spec: Any) -> Run:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,21 +13,21 @@ from pathlib import Path
 PROPERTY = "requirement"
 #: Name of the table in the folder of the session's runs.
 FILE_NAME = "requirements.csv"
-NOT_SHOWN = "NOT SHOWN"
+FAILED, PASSED, NOT_SHOWN = "FAILED", "PASSED", "NOT SHOWN"
 #: Outcomes of pytest, and of a test that fails only because no run has shown its sentence -> result of a requirement;
 #: the worst comes first.
-_SAYS: Mapping[str, str] = {
-    "error": "FAILED",
-    "failed": "FAILED",
-    "xpassed": "FAILED",
-    "xfailed": "FAILED",
+SAYS: Mapping[str, str] = {
+    "error": FAILED,
+    "failed": FAILED,
+    "xpassed": FAILED,
+    "xfailed": FAILED,
     "not shown": NOT_SHOWN,
     "skipped": NOT_SHOWN,
-    "passed": "PASSED",
+    "passed": PASSED,
 }
-_ORDER = ("FAILED", "PASSED", NOT_SHOWN)
+_ORDER = (FAILED, PASSED, NOT_SHOWN)
 #: Columns of what the runs of a test have shown of the sentence that it requires, in the table; empty without one.
-_SHOWN = ("margin", "unit", "instant_s", "antecedent_met")
+COLUMNS = ("margin", "unit", "instant_s", "antecedent_met")
 
 
 @dataclass
@@ -43,7 +44,7 @@ class Requirement:
     @property
     def verdict(self) -> str:
         """FAILED if one of its tests failed, PASSED if one passed and none failed, else NOT SHOWN."""
-        said = {_SAYS[outcome] for outcome in self.tests.values()}
+        said = {SAYS[outcome] for outcome in self.tests.values()}
         return next(verdict for verdict in _ORDER if verdict in said)
 
 
@@ -53,9 +54,9 @@ def requirements(reports: Iterable[tuple[str, str, Sequence[tuple[str, object]]]
     :param reports: outcome, test and its properties; of several reports of a test the worst counts.
     """
     found: dict[str, Requirement] = {}
-    worst = list(_SAYS)
+    worst = list(SAYS)
     for outcome, test, properties in reports:
-        if outcome not in _SAYS:
+        if outcome not in SAYS:
             continue
         sentences = {
             key.removeprefix(f"{PROPERTY}."): json.loads(str(value))
@@ -71,6 +72,15 @@ def requirements(reports: Iterable[tuple[str, str, Sequence[tuple[str, object]]]
                 if shown:
                     one.shown[test] = shown
     return sorted(found.values(), key=lambda one: one.name)
+
+
+def folder_name(test: str) -> str:
+    """Name of the first run folder of a test, by file, test and parameters; a further one has a number after it.
+
+    :param test: its id, ``folder/test_file.py::test_name[parameter]``.
+    """
+    file, _, rest = test.partition("::")
+    return re.sub(r"[^\w.@=+-]+", "_", f"{Path(file).stem}.{rest.replace('::', '.')}").strip("_")[:120] or "run"
 
 
 def lines(found: Sequence[Requirement]) -> list[str]:
@@ -90,9 +100,9 @@ def write(found: Sequence[Requirement], folder: Path) -> Path:
     path = folder / FILE_NAME
     with path.open("w", encoding="utf-8", newline="") as stream:
         rows = csv.writer(stream, lineterminator="\n")
-        rows.writerow(("requirement", "verdict", "test", "outcome", *_SHOWN))
+        rows.writerow(("requirement", "verdict", "test", "outcome", *COLUMNS))
         for one in found:
             for test, outcome in one.tests.items():
                 shown = one.shown.get(test, {})
-                rows.writerow((one.name, one.verdict, test, outcome, *(shown.get(name) for name in _SHOWN)))
+                rows.writerow((one.name, one.verdict, test, outcome, *(shown.get(name) for name in COLUMNS)))
     return path

@@ -1,0 +1,296 @@
+"""``railhil dossier``: each requirement with its evidence, and each gap of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import railhil
+from hil_tests.support.browser import chromium_or_skip
+from hil_tests.support.cli import Railhil, complaint
+from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN
+from railhil.dossier.dossier import Dossier, make_dossier
+from railhil.judge.requirements.requirement import named_requirements
+from railhil.judge.requirements.sentence import VIOLATED
+from railhil.record.hash_list import read_hash_list, write_hash_list
+from railhil.record.signature import sign_list
+
+RULES = """
+[[requirement]]
+id = "R-1"
+says = "never true_speed > 20 km/h"
+title = "slow"
+source = "chosen"
+[[requirement]]
+id = "R-2"
+says = "whenever age(TRN_SPEED) > 64 ms, within 20 ms notch_command <= 0"
+"""
+BROKEN = '[[requirement]]\nid = "R-1"\nsays = "never true_speed > 0.1 km/h"\n'
+#: Copies the run into a folder and returns its place.
+Copied = Callable[..., Path]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A run that keeps its requirements, and one that violates one; read-only."""
+    folder = tmp_path_factory.mktemp("dossier")
+    (folder / "short.toml").write_text(RUN_2M_TOML)
+    found = {}
+    for name, text in (("kept", RULES), ("broken", BROKEN)):
+        (folder / f"{name}.toml").write_text(text)
+        sentences = folder / f"{name}.toml"
+        railhil.run(folder / "short.toml", bus="local", requirements=sentences, out=folder / name)
+        found[name] = folder / name
+    return found
+
+
+@pytest.fixture
+def copied(made: dict[str, Path], tmp_path: Path) -> Copied:
+    def copy(name: str, place: str = "") -> Path:
+        return Path(shutil.copytree(made[name], tmp_path / "runs" / (place or name)))
+
+    return copy
+
+
+@pytest.fixture
+def rules(tmp_path: Path) -> Path:
+    path = tmp_path / "rules.toml"
+    path.write_text(RULES)
+    return path
+
+
+def _of(folder: Path, rules: Path | None = None, key: Path | None = None, validation: Path | None = None) -> Dossier:
+    listed = () if rules is None else named_requirements([rules])
+    return make_dossier([folder], listed, key, validation)
+
+
+def _verdicts(found: Dossier) -> dict[str, str]:
+    return {one.id: one.verdict for one in found.claims}
+
+
+def test_a_run_that_keeps_a_sentence_shows_it_and_what_is_missing_is_said(
+    here: Railhil, copied: Copied, tmp_path: Path
+) -> None:
+    run = copied("kept")
+    done = here("dossier", run.parent, "--out", tmp_path / "out", "--json")
+    assert done.exit_code == 1, "R-2 is not shown"
+    assert {one["id"]: one["verdict"] for one in done.json["claims"]} == {"R-1": SHOWN, "R-2": NOT_SHOWN}
+    said = "\n".join(done.json["gaps"])
+    assert "R-2 not shown: says nothing in 1 run (its antecedent was never met): E1" in said
+    assert "1 of 1 folder without a signature" in said
+    assert "no results of railhil's own tests are here" in said
+    (row,) = done.json["claims"][0]["runs"]
+    assert row["outcome"]["margin"] == json.loads((run / "score.json").read_text())["requirements"][0]["margin"]
+    (evidence,) = done.json["evidence"]
+    certificate = json.loads((run / "certificate.json").read_text())
+    assert evidence["frames_sha256"] == certificate["frames_sha256"]
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert certificate["frames_sha256"] in page
+    assert "claims no conformity with any standard" in page
+    assert here("verify", tmp_path / "out").exit_code == 0
+    (tmp_path / "out" / "dossier.json").write_text("{}")
+    assert here("verify", tmp_path / "out").exit_code == 1
+
+
+def test_all_is_shown_by_evidence_that_checks(here: Railhil, made: dict[str, Path], tmp_path: Path) -> None:
+    (tmp_path / "one.toml").write_text(RULES.partition('[[requirement]]\nid = "R-2"')[0])
+    short = made["kept"].with_name("short.toml")
+    railhil.run(short, bus="local", requirements=tmp_path / "one.toml", out=tmp_path / "run")
+    done = here("dossier", tmp_path / "run", "--out", tmp_path / "out")
+    assert done.exit_code == 0, done.out
+    assert done.out.splitlines()[0].split() == ["R-1", "shown", "slow"]
+    assert "1 requirement: 1 shown. 1 folder of evidence, 1 as listed." in done.out
+    # A dossier is made again in its folder.
+    (tmp_path / "run" / "junit.xml").unlink()
+    assert here("dossier", tmp_path / "run", "--out", tmp_path / "out").exit_code == 1
+
+
+def test_a_violation_counts_whatever_else_is_shown(copied: Copied) -> None:
+    copied("kept")
+    runs = copied("broken").parent
+    found = _of(runs)
+    assert _verdicts(found)["R-1"] == VIOLATED
+    (claim,) = (one for one in found.claims if one.id == "R-1")
+    assert {run.verdict for run in claim.runs} == {"kept", VIOLATED}
+    assert claim.gaps[0] == "violated in 1 run: E1"
+    assert "judged by another sentence of this id" in claim.gaps[1]
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_an_edited_byte_of_any_file_is_said_and_shows_nothing(made: dict[str, Path], data: st.DataObject) -> None:
+    folder = made["kept"]
+    name = data.draw(st.sampled_from(sorted(read_hash_list(folder) or {})))
+    path = folder / name
+    content = path.read_bytes()
+    place = data.draw(st.integers(0, len(content) - 1))
+    try:
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+        found = _of(folder)
+    finally:
+        path.write_bytes(content)
+    assert SHOWN not in _verdicts(found).values()
+    assert not found.is_complete
+    assert any(name in problem for problem in found.evidence[0].problems)
+
+
+def test_an_edited_folder_that_says_violated_still_speaks_against(copied: Copied, rules: Path) -> None:
+    copied("kept")
+    run = copied("broken")
+    (run / "signals.csv").write_text("")
+    found = _of(run.parent)
+    assert _verdicts(found)["R-1"] == VIOLATED
+    assert [one.name for one in found.evidence if one.problems] == ["E1"]
+
+
+def test_a_record_that_stands_twice_counts_once(copied: Copied) -> None:
+    copied("kept")
+    found = _of(copied("kept", "again").parent)
+    assert [run.counts for run in found.claims[0].runs] == [True, False]
+    assert "E2 " in "".join(found.gaps)
+    assert "the record of E1 again" in "".join(found.gaps)
+
+
+def test_a_requirement_that_fits_no_run_has_no_evidence(copied: Copied, tmp_path: Path) -> None:
+    listed = tmp_path / "listed.toml"
+    listed.write_text('[[requirement]]\nid = "X-1"\nsays = "never no_such_signal > 1 m"\n')
+    found = _of(copied("kept").parent, listed)
+    assert _verdicts(found)["X-1"] == NONE
+    assert "does not fit the scenario" in " ".join(found.claims[0].gaps)
+
+
+def test_a_listed_requirement_is_judged_on_runs_that_did_not_have_it(copied: Copied, tmp_path: Path) -> None:
+    listed = tmp_path / "listed.toml"
+    listed.write_text('[[requirement]]\nid = "X-1"\nsays = "never true_speed > 0.1 km/h"\n')
+    assert _verdicts(_of(copied("kept").parent, listed))["X-1"] == VIOLATED
+
+
+def _table(folder: Path, *rows: str) -> None:
+    (folder / "requirements.csv").write_text("\n".join(["requirement,verdict,test,outcome", *rows, ""]))
+
+
+def _junit(path: Path, outcome: str, requirement: str, *hashes: str) -> None:
+    properties = [("requirement", requirement), *(("frames_sha256", one) for one in hashes)]
+    listed = "".join(f'<property name="{name}" value="{value}"/>' for name, value in properties)
+    path.write_text(
+        f'<testsuites><testsuite><testcase classname="test_a" name="test_b">{outcome}<properties>{listed}</properties>'
+        "</testcase></testsuite></testsuites>"
+    )
+
+
+def test_a_passed_test_shows_its_requirement_if_its_runs_are_there_and_check(copied: Copied) -> None:
+    run = copied("kept", "test_a.test_b")
+    _table(run.parent, "T-1,PASSED,test_a.py::test_b,passed", "T-2,PASSED,test_a.py::test_c,passed")
+    found = _of(run.parent)
+    assert (_verdicts(found)["T-1"], _verdicts(found)["T-2"]) == (SHOWN, NOT_SHOWN)
+    assert "test test_a.py::test_c: none of its runs is here" in "".join(found.gaps)
+    (run / "signals.csv").write_text("")
+    assert _verdicts(_of(run.parent))["T-1"] == NOT_SHOWN
+
+
+def test_a_junit_report_names_the_runs_of_a_test_by_their_frames(copied: Copied) -> None:
+    run = copied("kept")
+    sha256 = json.loads((run / "certificate.json").read_text())["frames_sha256"]
+    report = run.parent / "junit.xml"
+    _junit(report, "", "T-1", sha256)
+    assert _verdicts(_of(run.parent))["T-1"] == SHOWN
+    _junit(report, "", "T-1", sha256, "0" * 64)
+    found = _of(run.parent)
+    assert _verdicts(found)["T-1"] == NOT_SHOWN
+    assert "1 run of it not here" in "".join(found.gaps)
+    _junit(report, '<failure message="no"/>', "T-1", sha256)
+    _table(run.parent, "T-1,PASSED,test_a.py::test_b,passed")
+    assert _verdicts(_of(run.parent))["T-1"] == VIOLATED, "the worst of table and report counts"
+
+
+def test_a_hunt_speaks_against_a_requirement_and_alone_not_for_one(copied: Copied, tmp_path: Path) -> None:
+    run, hunt = copied("kept"), tmp_path / "runs" / "hunt"
+    hunt.mkdir()
+    row = {"says": "never true_speed > 20 km/h", "runs": 9, "antecedent_met": 9, "margin": 0.1, "unit": "m/s"}
+    rows = [{**row, "id": "R-1", "violations": 1}, {**row, "id": "H-1", "violations": 0}]
+    (hunt / "hunt.json").write_text("{}")
+    (hunt / "summary.json").write_text(json.dumps({"seed": 3, "requirements": rows}))
+    write_hash_list(hunt)
+    found = _of(run.parent)
+    assert (_verdicts(found)["R-1"], _verdicts(found)["H-1"]) == (VIOLATED, NOT_SHOWN)
+    assert "only searched for: not found is not absence" in "".join(found.gaps)
+
+
+def _validation(folder: Path, code: str, outcome: str = "") -> Path:
+    folder.mkdir(exist_ok=True)
+    properties = f'<properties><property name="code_sha256" value="{code}"/></properties>'
+    (folder / "unit.xml").write_text(
+        '<testsuite timestamp="2026-11-28T00:00:00" hostname="h"><testcase classname="a" name="b">'
+        f"{properties}{outcome}</testcase></testsuite>"
+    )
+    return folder
+
+
+def test_the_tool_is_validated_by_results_of_its_own_code_alone(copied: Copied, tmp_path: Path) -> None:
+    run = copied("kept")
+    code = json.loads((run / "certificate.json").read_text())["code_sha256"]
+    (tool,) = _of(run, validation=_validation(tmp_path / "v", code)).tools
+    assert (tool.validated, tool.said) == (True, "its own tests: 1 passed")
+    (tool,) = _of(run, validation=_validation(tmp_path / "v", "0" * 64)).tools
+    assert not tool.validated
+    failed = _of(run, validation=_validation(tmp_path / "v", code, "<failure/>"))
+    assert not failed.tools[0].validated
+    assert "a test of railhil itself failed: a.b" in failed.gaps
+
+
+def _sign(folder: Path, key: Path) -> Path:
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(key)], check=True)
+    sign_list(folder, key)
+    return key.with_suffix(".pub")
+
+
+@pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="MISSING CAPABILITY ssh-keygen")
+def test_the_signature_of_a_folder_above_covers_its_runs_until_one_is_listed_anew(
+    copied: Copied, tmp_path: Path
+) -> None:
+    run = copied("kept")
+    (run.parent / "learn.json").write_text("{}")
+    write_hash_list(run.parent)
+    key = _sign(run.parent, tmp_path / "key")
+    found = _of(run.parent, key=key)
+    assert [one.problems for one in found.evidence] == [(), ()]
+    assert found.evidence[1].signature.endswith(", in the list of E1")
+    (run / "junit.xml").unlink()
+    write_hash_list(run)
+    outer, inner = _of(run.parent, key=key).evidence
+    assert outer.problems[0].startswith("kept/SHA256SUMS: sha256 ")
+    assert inner.problems == ("unsigned",)
+    assert _verdicts(_of(run.parent, key=key))["R-1"] == NOT_SHOWN
+
+
+def test_bad_folders_are_refused_in_a_line(here: Railhil, copied: Copied, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    assert "has no evidence, expected " in complaint(here("dossier", tmp_path / "empty"))
+    run = copied("kept")
+    assert "an empty or new folder" in complaint(here("dossier", run, "--out", run))
+    (tmp_path / "empty" / "junit.xml").write_text("<testsuites>")
+    shutil.copytree(run, tmp_path / "empty" / "run")
+    assert "cannot be read, expected a JUnit report" in complaint(here("dossier", tmp_path / "empty"))
+    said = complaint(here("dossier", run, "--validation", run / "none"))
+    assert "does not exist, expected the folder of what" in said
+
+
+@pytest.mark.slow
+def test_the_page_is_without_findings_of_axe(here: Railhil, copied: Copied, tmp_path: Path) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()
+    copied("kept")
+    here("dossier", copied("broken").parent, "--out", tmp_path / "out")
+    with chromium_or_skip() as chromium:
+        page = chromium.new_page(viewport={"width": 400, "height": 900})
+        page.goto((tmp_path / "out" / "report.html").as_uri())
+        found = axe.run(page)
+        assert found.violations_count == 0, found.generate_report()
+        assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0

@@ -1,0 +1,255 @@
+"""A dossier: its claims, its evidence, the tool that made it, the gaps of all of these, and its folder."""
+
+from __future__ import annotations
+
+import getpass
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from railhil.common.digits import count_of
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import whole_file
+from railhil.common.version import full_version
+from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, Run, claims_of, named
+from railhil.dossier.evidence import DOSSIER, RUN, Evidence, folders_of, read_evidence
+from railhil.dossier.tests import Validation, read_tests, read_validation, test_files
+from railhil.judge.requirements.requirement import Requirement
+from railhil.judge.requirements.sentence import VIOLATED
+from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, REPORT, write_hash_list
+from railhil.record.run_folder import json_text
+from railhil.record.signature import SIGNATURE, sign_list
+
+#: Endings of versions that name no commit.
+_UNNAMED = (".dirty", "+unknown")
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """A railhil that made evidence. ``validated``: whether the given validation is of this code and nothing failed in
+    it; ``said``: the same in words."""
+
+    version: str
+    code_sha256: str
+    made: Sequence[Evidence]
+    validated: bool
+    said: str
+
+
+@dataclass(frozen=True)
+class Dossier:
+    """``gaps``: a sentence each, those of the claims first. ``doctor``: versions and properties of a machine."""
+
+    claims: Sequence[Claim]
+    evidence: Sequence[Evidence]
+    validation: Validation | None
+    doctor: Mapping[str, Any]
+    written: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether each requirement is shown, all evidence checks, and no test of the validation failed."""
+        has_failed = self.validation is not None and bool(self.validation.failed)
+        doubtful = any(one.problems for one in self.evidence)
+        return not has_failed and not doubtful and all(one.verdict == SHOWN for one in self.claims)
+
+    @property
+    def headline(self) -> str:
+        """The result in a line."""
+        counts = {word: sum(one.verdict == word for one in self.claims) for word in (SHOWN, VIOLATED, NOT_SHOWN, NONE)}
+        said = ", ".join(
+            f"{count} {'without evidence' if word == NONE else word}" for word, count in counts.items() if count
+        )
+        checks = sum(not one.problems for one in self.evidence)
+        folders = count_of(len(self.evidence), "folder")
+        return (
+            f"{count_of(len(self.claims), 'requirement')}: {said or 'none'}. {folders} of evidence, {checks} as listed."
+        )
+
+    @property
+    def tools(self) -> list[Tool]:
+        """The tools of the evidence, by version and code."""
+        made: dict[tuple[str, str], list[Evidence]] = {}
+        for one in self.evidence:
+            if version := one.document.get("railhil"):
+                made.setdefault((str(version), str(one.document.get("code_sha256"))), []).append(one)
+        return [Tool(*key, items, *self._validated(key[1])) for key, items in made.items()]
+
+    def _validated(self, code: str) -> tuple[bool, str]:
+        found = self.validation
+        if found is None:
+            return False, "no results of railhil's own tests are here (--validation DIR)"
+        if code not in found.codes:
+            return False, f"the results of railhil's own tests are of {'other' if found.codes else 'an unknown'} code"
+        counts = ", ".join(f"{count:,} {outcome}" for outcome, count in found.outcomes.items())
+        return not found.failed, f"its own tests: {counts}"
+
+    @property
+    def gaps(self) -> list[str]:
+        """All gaps, those of the claims first."""
+        return [*self._of_claims(), *self._of_evidence(), *self._of_tools()]
+
+    def _of_claims(self) -> Iterator[str]:
+        if not self.claims:
+            yield "there is no requirement: no list was given, and no run, test or search names one"
+        alike: dict[str, list[str]] = {}
+        for one in self.claims:
+            if one.verdict != SHOWN:
+                yield f"{one.id} {one.verdict}: {'; '.join(one.gaps)}"
+            for gap in one.gaps if one.verdict == SHOWN else ():
+                alike.setdefault(gap, []).append(one.id)
+        yield from (f"{', '.join(names)}: {gap}" for gap, names in alike.items())
+
+    def _of_evidence(self) -> Iterator[str]:
+        for one in self.evidence:
+            yield from (f"{one.name} {one.folder}: {said}" for said in one.problems)
+            if one.copy_of is not None:
+                yield f"{one.name} {one.folder}: the record of E{one.copy_of} again; it counts once"
+        if unsigned := [one for one in self.evidence if not one.signed]:
+            count = f"{len(unsigned)} of {count_of(len(self.evidence), 'folder')}"
+            yield f"{count} without a signature (who changes a file can write its hash, too): {named(unsigned)}"
+        alike: dict[str, list[Evidence]] = {}
+        for one in self.evidence:
+            for said in (*one.unchecked, *one.remarks):
+                alike.setdefault(said, []).append(one)
+        yield from (f"{named(items)}: {said}" for said, items in alike.items())
+        if silent := [one for one in self.evidence if one.kind == RUN and one.verdict and not one.judged]:
+            yield f"judged by no requirement: {named(silent)}"
+        laws: dict[str, list[Evidence]] = {}
+        for one in self.evidence:
+            if law := one.document.get("controller"):
+                laws.setdefault(str(law), []).append(one)
+        if len(laws) > 1:
+            said = "; ".join(f"{law} {named(items)}" for law, items in laws.items())
+            yield f"the evidence is of {len(laws)} controllers, and a requirement is about one: {said}"
+
+    def _of_tools(self) -> Iterator[str]:
+        tools = self.tools
+        if len(tools) > 1:
+            yield f"the evidence was made by {len(tools)} versions of railhil"
+        for tool in tools:
+            if tool.version.endswith(_UNNAMED):
+                yield f"railhil {tool.version}, which made {named(tool.made)}, is no commit: its files are not in git"
+            if not tool.validated:
+                yield f"railhil {tool.version}, which made {named(tool.made)}: {tool.said}"
+        if self.validation is not None:
+            yield from (f"a test of railhil itself failed: {name}" for name in self.validation.failed)
+
+    def as_json(self) -> dict[str, Any]:
+        """Content of ``dossier.json``."""
+        return {
+            **self.written,
+            "complete": self.is_complete,
+            "gaps": self.gaps,
+            "claims": [_claim(one) for one in self.claims],
+            "evidence": [_evidence(one) for one in self.evidence],
+            "tools": [
+                {"railhil": one.version, "code_sha256": one.code_sha256, "made": [item.name for item in one.made],
+                 "validated": one.validated, "said": one.said}
+                for one in self.tools
+            ],
+            "validation": None if self.validation is None else asdict(self.validation),
+            "doctor": self.doctor,
+        }  # fmt: skip
+
+
+def _claim(one: Claim) -> dict[str, Any]:
+    return {
+        "id": one.id,
+        "requirement": None if one.requirement is None else one.requirement.as_json(),
+        "verdict": one.verdict,
+        "gaps": list(one.gaps),
+        "runs": [_run(run) for run in one.runs],
+        "tests": [asdict(test) for test in one.tests],
+        "searches": [
+            {"evidence": item.evidence.name, "violations": item.violations, "said": item.said} for item in one.searches
+        ],
+        "deviations": {said: [item.name for item in items] for said, items in one.deviations.items()},
+    }
+
+
+def _run(run: Run) -> dict[str, Any]:
+    outcome = run.judged.outcome
+    return {
+        "evidence": run.evidence.name,
+        "counts": run.counts,
+        "why_not": run.why_not,
+        "outcome": None if outcome is None else outcome.as_json(),
+    }
+
+
+def _evidence(one: Evidence) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "folder": str(one.folder),
+        "kind": one.kind,
+        "title": one.title,
+        "verdict": one.verdict,
+        "reasons": one.reasons,
+        "faults": one.document.get("faults", []),
+        "frames_sha256": one.document.get("frames_sha256"),
+        "list_sha256": one.list_sha256 or None,
+        "signature": one.signature,
+        "problems": list(one.problems),
+        "not_checked": list(one.unchecked),
+        "remarks": list(one.remarks),
+        "copy_of": None if one.copy_of is None else f"E{one.copy_of}",
+        "deviations": list(one.deviations),
+    }
+
+
+def make_dossier(
+    given: Sequence[Path],
+    listed: Sequence[Requirement],
+    key: Path | None = None,
+    validation: Path | None = None,
+    doctor: Mapping[str, Any] | None = None,
+) -> Dossier:
+    """Check and read all folders.
+
+    :param listed: the requirements that the assessment is about, by which each run is judged, too.
+    :param key: that must have signed; None: a signature is not asked for.
+    :param validation: folder of the results of railhil's own tests.
+    :param doctor: versions and properties of this machine, unless the validation has them.
+    :raises InputError: a folder has no evidence, or a file that is no evidence cannot be read.
+    """
+    evidence = list(read_evidence(folders_of(given), listed, key))
+    tests = read_tests(test_files(given, evidence), evidence)
+    found = None if validation is None else read_validation(validation)
+    written = {
+        "railhil": full_version(),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "by": getpass.getuser(),
+    }
+    claims = claims_of(listed, evidence, tests)
+    return Dossier(claims, evidence, found, (found and found.doctor) or doctor or {}, written)
+
+
+def check_out(folder: Path) -> None:
+    """Refuse a folder that something else is in, before the work whose result it gets.
+
+    :raises InputError: it has other files than those of a dossier, or is signed.
+    """
+    names = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    if SIGNATURE in names:
+        raise InputError("command line", "--out", Words(f"{folder} is signed ({SIGNATURE})"), "another folder")
+    if names and DOSSIER not in names:
+        raise InputError("command line", "--out", str(folder), "an empty or new folder, or that of a dossier")
+
+
+def write_dossier(dossier: Dossier, page: str, folder: Path, key: Path | None) -> None:
+    """Write document, page and list of hashes.
+
+    :param key: that signs the list; None: none does.
+    :raises OSError: they cannot be written. :raises InputError: the key cannot sign.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in ((DOSSIER, json_text(dossier.as_json() | {HASH_LIST_KEY: HASH_LIST})), (REPORT, page)):
+        with whole_file(folder / name) as draft:
+            draft.write_text(text, encoding="utf-8")
+    write_hash_list(folder, only=(DOSSIER, REPORT))
+    sign_list(folder, key)

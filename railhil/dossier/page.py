@@ -1,0 +1,120 @@
+"""``report.html`` of a dossier: the matrix, the gaps, a page for each requirement, the evidence, and the tool."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from railhil.common.digits import count_of
+from railhil.dossier.claims import SHOWN, Claim, Run, named
+from railhil.dossier.dossier import Dossier
+from railhil.dossier.evidence import Evidence
+from railhil.judge.requirements.outcome import NOT_JUDGED
+from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED
+from railhil.record.hash_list import REPORT
+from railhil.report.templates import render_page
+from railhil.testing.requirements import PASSED
+
+#: Rows of runs on the page of a requirement; ``dossier.json`` has all.
+_ROWS_MAX = 12
+#: Columns of the matrix; with more folders only their numbers stand there.
+_CELLS_MAX = 40
+#: Class of the badge of each verdict.
+_BADGES = {SHOWN: "PASS", VIOLATED: "FAIL"}
+#: Sign of a run in the matrix.
+_SIGNS = {KEPT: "●", VIOLATED: "✗", OPEN: "○", SILENT: "○", NOT_JUDGED: "·", "": "·"}
+#: Short words of counts.
+_SHORT = {SILENT: "silent"}
+
+
+def page(dossier: Dossier, out: Path) -> str:
+    """The dossier as one HTML document without external references.
+
+    :param out: folder of the page, to which links are relative.
+    """
+    shows_cells = len(dossier.evidence) <= _CELLS_MAX
+    return render_page(
+        "dossier.html.j2",
+        "railhil.dossier",
+        title="Dossier",
+        dossier=dossier,
+        claims=[(one, _row(one, dossier.evidence if shows_cells else ())) for one in dossier.claims],
+        shows_cells=shows_cells,
+        badge=lambda verdict: _BADGES.get(verdict, "INVALID"),
+        margin=_margin,
+        named=named,
+        rows=_rows,
+        links={one.number: _link(one, out) for one in dossier.evidence},
+        assumptions=_assumptions(dossier.evidence),
+        published={one.published[0]: one.published[1] for one in dossier.evidence if one.published},
+    )
+
+
+def _row(claim: Claim, evidence: Sequence[Evidence]) -> dict[str, Any]:
+    """A row of the matrix."""
+    counts = {_SHORT.get(word, word): len(claim.of(word)) for word in (KEPT, VIOLATED, OPEN, SILENT)}
+    counts["unchecked"] = sum(bool(run.evidence.problems) for run in claim.runs)
+    passed = sum(test.result == PASSED for test in claim.tests)
+    searched = sum(search.runs for search in claim.searches)
+    found = sum(search.violations for search in claim.searches)
+    return {
+        "runs": ", ".join(f"{count} {word}" for word, count in counts.items() if count),
+        "tests": f"{passed} of {len(claim.tests)} passed" if claim.tests else "",
+        "searched": f"{found or 'none'} in {searched:,}" if searched else "",
+        "least": "" if claim.worst is None else f"{_margin(claim.worst)} in {claim.worst.evidence.name}",
+        "cells": [_cell(one, claim) for one in evidence],
+    }
+
+
+def _cell(item: Evidence, claim: Claim) -> tuple[str, str, str]:
+    """A sign of the matrix, its class, and what stands under the pointer."""
+    for search in claim.searches:
+        if search.evidence.number == item.number:
+            sign, kind = ("✗", "violated") if search.violations else ("s", "")
+            return sign, kind, f"{item.name}: {search.said}"
+    run = next((run for run in claim.runs if run.evidence.number == item.number), None)
+    if run is None:
+        return " ", "", ""
+    kind = "doubtful" if item.problems else "violated" if run.verdict == VIOLATED else ""
+    said = ", ".join(filter(None, (run.verdict, run.why_not)))
+    return "?" if item.problems else _SIGNS[run.verdict], kind, f"{item.name}: {said}"
+
+
+def _margin(run: Run) -> str:
+    outcome = run.judged.outcome
+    return "" if outcome is None or outcome.margin is None else f"{outcome.margin:.4g} {outcome.unit}".rstrip()
+
+
+def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
+    """The runs that a claim's page has as rows, and sentences on the others."""
+    said = [run for run in claim.runs if run.verdict in (VIOLATED, KEPT, OPEN) or run.evidence.problems]
+    shown = said[:_ROWS_MAX]
+    others: dict[str, list[Evidence]] = {}
+    for run in claim.runs:
+        if run not in said:
+            others.setdefault(run.verdict or run.why_not, []).append(run.evidence)
+    rest = [f"{word} in {count_of(len(items), 'run')}: {named(items)}" for word, items in others.items()]
+    if further := said[_ROWS_MAX:]:
+        rest.insert(
+            0, f"{count_of(len(further), 'further run')} with larger margins: {named(run.evidence for run in further)}"
+        )
+    return shown, rest
+
+
+def _link(one: Evidence, out: Path) -> str:
+    """Address of a folder relative to the page: its own page, else the folder."""
+    target = one.folder / REPORT
+    found = os.path.relpath(target if target.is_file() else one.folder, out)
+    return quote(Path(found).as_posix())
+
+
+def _assumptions(evidence: Iterable[Evidence]) -> dict[str, list[Evidence]]:
+    """The assumptions of the scenarios, each with its runs."""
+    found: dict[str, list[Evidence]] = {}
+    for one in evidence:
+        for said in one.document.get("assumptions") or ():
+            found.setdefault(str(said), []).append(one)
+    return found

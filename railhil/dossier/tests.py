@@ -1,0 +1,199 @@
+"""What sessions of pytest have left: ``requirements.csv``, and JUnit reports, of users' tests and of railhil's own."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from railhil.common.errors import InputError, Words
+from railhil.common.user_files import given_bytes, given_json, given_text, refuse_unreadable
+from railhil.dossier.evidence import Evidence
+from railhil.testing.requirements import COLUMNS, FILE_NAME, PROPERTY, SAYS, folder_name, requirements
+
+#: What ``railhil doctor --json`` has printed.
+DOCTOR = "doctor.json"
+#: Properties of a test of railhil itself that name the code under test.
+CODE, VERSION = "code_sha256", "railhil"
+_HASH = re.compile(r"frames_sha256(\.\d+)?")
+_WRITTEN = "a JUnit report of pytest"
+#: Element of a JUnit case -> outcome of its test.
+_ENDS = {"failure": "failed", "error": "error", "skipped": "skipped"}
+
+
+@dataclass
+class _Runs:
+    """Of a test: the files that name it, the numbers of the evidence of its runs, and how many have no evidence."""
+
+    files: dict[str, None] = field(default_factory=dict)
+    numbers: set[int] = field(default_factory=set)
+    missing: int = 0
+
+
+@dataclass(frozen=True)
+class Test:
+    """A test of a requirement: its id, its outcome, and the files that say so.
+
+    ``shown``: what its runs have shown of the sentence. ``runs``: numbers of the evidence of its runs. ``missing``:
+    number of its runs that are not among the evidence.
+    """
+
+    requirement: str
+    name: str
+    outcome: str
+    files: tuple[str, ...]
+    shown: Mapping[str, Any]
+    runs: tuple[int, ...]
+    missing: int
+
+    @property
+    def result(self) -> str:
+        """FAILED, PASSED or NOT SHOWN."""
+        return SAYS[self.outcome]
+
+
+def test_files(given: Sequence[Path], evidence: Iterable[Evidence]) -> Iterator[Path]:
+    """The tables of requirements and the JUnit reports at and below the given folders, but those of runs."""
+    runs = {one.folder.resolve() for one in evidence}
+    for folder in given:
+        for path in sorted(folder.rglob("*")):
+            is_named = path.name == FILE_NAME or path.suffix == ".xml"
+            if is_named and path.is_file() and path.resolve().parent not in runs:
+                yield path
+
+
+def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test]:
+    """The tests of each requirement; a test that stands in a table and in a JUnit report is one.
+
+    :raises InputError: a file cannot be read.
+    """
+    reports: list[tuple[str, str, Sequence[tuple[str, object]]]] = []
+    runs: dict[str, _Runs] = {}
+    names: dict[str, str] = {}
+    # Tables have the ids of pytest, reports their own names of the same tests.
+    for path in sorted(files, key=lambda one: one.name != FILE_NAME):
+        for outcome, test, properties in _of_table(path) if path.name == FILE_NAME else _of_junit(path):
+            name = names.setdefault(_in_junit(test), test)
+            reports.append((outcome, name, properties))
+            own = runs.setdefault(name, _Runs())
+            own.files[str(path)] = None
+            if path.name == FILE_NAME:
+                own.numbers |= set(_beside(path, test, evidence))
+            hashes = [value for key, value in properties if _HASH.fullmatch(key)]
+            found = {one.document.get("frames_sha256"): one.number for one in reversed(evidence)}
+            own.numbers |= {found[value] for value in hashes if value in found}
+            own.missing = max(own.missing, sum(value not in found for value in hashes))
+    return [
+        Test(one.name, test, outcome, tuple(runs[test].files), one.shown.get(test, {}),
+             tuple(sorted(runs[test].numbers)), runs[test].missing)
+        for one in requirements(reports)
+        for test, outcome in one.tests.items()
+    ]  # fmt: skip
+
+
+def _in_junit(name: str) -> str:
+    """The id of a test as JUnit has it: ``folder.test_file.test_name[parameter]``."""
+    place, bracket, parameter = name.partition("[")
+    return place.replace(".py::", ".").replace("::", ".").replace("/", ".") + bracket + parameter
+
+
+def _beside(path: Path, test: str, evidence: Sequence[Evidence]) -> Iterator[int]:
+    """The runs of a test beside its table, by the names of their folders."""
+    name = re.compile(rf"{re.escape(folder_name(test))}(-\d+)?")
+    for one in evidence:
+        if one.folder.resolve().parent == path.resolve().parent and name.fullmatch(one.folder.name):
+            yield one.number
+
+
+_Report: TypeAlias = tuple[str, str, list[tuple[str, str]]]
+
+
+def _of_table(path: Path) -> Iterator[_Report]:
+    """Outcome, test and properties of each row."""
+    with refuse_unreadable(path, "a table of requirements as pytest has written it"):
+        rows = list(csv.DictReader(given_text(path).splitlines()))
+    for row in rows:
+        if row.get("outcome") not in SAYS or not row.get(PROPERTY) or not row.get("test"):
+            raise InputError(path, "", Words("is no table of requirements"), f"columns {PROPERTY}, test and outcome")
+        shown = {key: row[key] for key in COLUMNS if row.get(key)}
+        yield (
+            row["outcome"],
+            row["test"],
+            [(PROPERTY, row[PROPERTY]), (f"{PROPERTY}.{row[PROPERTY]}", json.dumps(shown))],
+        )
+
+
+def _of_junit(path: Path) -> Iterator[_Report]:
+    for case in _cases(path)[1]:
+        properties = [(entry.get("name", ""), entry.get("value", "")) for entry in case.iter("property")]
+        if any(key == PROPERTY for key, _ in properties):
+            yield _outcome(case), f"{case.get('classname')}.{case.get('name')}", properties
+
+
+def _cases(path: Path) -> tuple[ET.Element, list[ET.Element]]:
+    with refuse_unreadable(path, _WRITTEN):
+        content = given_bytes(path)
+    try:
+        root = ET.fromstring(content)
+    except ET.ParseError as error:
+        raise InputError(path, "", Words("cannot be read"), _WRITTEN, str(error)) from None
+    return root, list(root.iter("testcase"))
+
+
+def _outcome(case: ET.Element) -> str:
+    return next((said for element, said in _ENDS.items() if case.find(element) is not None), "passed")
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Results of railhil's own tests: the files, the versions and codes that they tested, how many tests ended how, and
+    the names of those that failed. ``doctor``: what ``railhil doctor`` said of the machine; empty: nothing."""
+
+    files: tuple[str, ...] = ()
+    versions: tuple[str, ...] = ()
+    codes: tuple[str, ...] = ()
+    begun: str = ""
+    hosts: tuple[str, ...] = ()
+    outcomes: Mapping[str, int] = field(default_factory=dict)
+    failed: tuple[str, ...] = ()
+    doctor: Mapping[str, Any] = field(default_factory=dict)
+
+
+def read_validation(folder: Path) -> Validation:
+    """The JUnit reports in a folder, and ``doctor.json``.
+
+    :raises InputError: there is no report, or one cannot be read.
+    """
+    files = sorted(folder.rglob("*.xml")) if folder.is_dir() else []
+    if not files:
+        found = Words("has no JUnit report" if folder.exists() else "does not exist")
+        raise InputError(folder, "", found, "the folder of what railhil's own tests have left (make test)")
+    outcomes: Counter[str] = Counter()
+    failed: list[str] = []
+    said: dict[str, dict[str, None]] = {CODE: {}, VERSION: {}, "timestamp": {}, "hostname": {}}
+    for path in files:
+        root, cases = _cases(path)
+        outcomes.update(map(_outcome, cases))
+        failed += [f"{one.get('classname')}.{one.get('name')}" for one in cases if _outcome(one) in ("failed", "error")]
+        for entry in root.iter("property"):
+            said.get(entry.get("name", ""), {})[entry.get("value", "")] = None
+        for suite in root.iter("testsuite"):
+            for key in ("timestamp", "hostname"):
+                said[key] |= {suite.get(key, ""): None}
+    doctor = folder / DOCTOR
+    return Validation(
+        files=tuple(str(path.relative_to(folder)) for path in files),
+        versions=tuple(said[VERSION]),
+        codes=tuple(said[CODE]),
+        begun=min(filter(None, said["timestamp"]), default=""),
+        hosts=tuple(filter(None, said["hostname"])),
+        outcomes=dict(sorted(outcomes.items())),
+        failed=tuple(failed),
+        doctor=given_json(doctor, "what railhil doctor --json has printed") if doctor.is_file() else {},
+    )
