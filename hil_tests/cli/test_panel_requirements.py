@@ -100,12 +100,12 @@ def test_the_rows_of_a_run_in_progress_end_as_those_of_its_record_which_then_has
         log.write(b"".join(lines[:half]))
         page.goto(address)
         said(page, "#requirements tr:nth-child(1)", "violated")
-        said(page, "#judged summary", "1 violated, 1 kept so far, 1 not met yet, 1 not decided yet")
+        said(page, "#judged .counts", "1 violated, 1 kept so far, 1 not met yet, 1 not decided yet")
         page.fill("#branch-fault", "TRN_SPEED loss for 300ms")
         page.click("#branch-make")
         said(page, "#branch-answer", "the run has not ended")
         log.write(b"".join(lines[half:]))
-        said(page, "#judged summary", "2 kept")
+        said(page, "#judged .counts", "2 kept")
         assert rows(page) == judged(recorded)
         for path in recorded.iterdir():
             if path.name != "frames.log":

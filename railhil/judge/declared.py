@@ -11,6 +11,7 @@ import numpy as np
 from railhil.bus.acceptance import checks_of, life_of
 from railhil.bus.layout import Telegram
 from railhil.record.trace import FloatArray, Trace
+from railhil.scenarios.profiles import Profile
 
 
 def in_words(scenario: Any, level: str, cause: str) -> str:
@@ -75,10 +76,27 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A named place of a scenario, such as a stop; ``position``: in the unit of the truth's position."""
+    """A named place of a scenario; ``position``: in the unit of the truth's position.
+
+    ``kind``: ``stop`` (where the train is to stand), ``balise``, or ``mark`` (anything else).
+    """
 
     name: str
     position: float
+    kind: str = "stop"
+
+
+@dataclass(frozen=True, slots=True)
+class ShownProfile:
+    """A quantity over the position as the scenario has it, such as the grade, in its displayed ``unit``.
+
+    ``rows``: position and value; ``is_step``: each value holds until the next row, otherwise it is linear between them.
+    """
+
+    label: str
+    unit: str
+    rows: Profile
+    is_step: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from railhil.judge.criteria import Criterion, Extra, limited
-from railhil.judge.declared import Interlocks, Place, Received, Watch, in_words, interface_received
+from railhil.judge.declared import Interlocks, Place, Received, ShownProfile, Watch, in_words, interface_received
 from railhil.judge.score import Score
 from railhil.record.notes import Status, interface_status
 from railhil.record.sampling import drawn_trace
@@ -108,7 +108,9 @@ class Judging:
 
     For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
     a line with the place of the train; ``strip``: names of the columns that it draws over the line, of one unit; empty:
-    the speed. ``gauges``: names of columns that stand at first sight beside those with a role.
+    speed and target. ``profiles``: (scenario) -> :class:`railhil.judge.declared.ShownProfile`, drawn with them.
+    ``gauges``: names of columns that stand at first sight beside those with a role. ``applied``: name of the column
+    with what the train makes of the command.
 
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.
@@ -151,8 +153,10 @@ class Judging:
     stop_events: tuple[str, ...] = ("stopped",)
     ends_at_m: Callable[[Any], float | None] = _no_place
     places: Callable[[Any], Sequence[Place]] = _nothing
+    profiles: Callable[[Any], Sequence[ShownProfile]] = _nothing
     strip: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
+    applied: str = ""
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
@@ -171,7 +175,13 @@ def judging_of(scenario: AnyScenario) -> Judging:
     if isinstance(scenario, UnknownScenario):
         watches = tuple(replace(watch, said=in_words) for watch in judging.watches)
         judging = replace(
-            judging, reckoned=_nothing, quantities=_nothing, ends_at_m=_no_place, places=_nothing, watches=watches
+            judging,
+            reckoned=_nothing,
+            quantities=_nothing,
+            ends_at_m=_no_place,
+            places=_nothing,
+            profiles=_nothing,
+            watches=watches,
         )
     return judging
 

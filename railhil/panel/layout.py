@@ -14,16 +14,26 @@ import numpy as np
 import numpy.typing as npt
 
 from railhil.dbc import Contract, Signal
-from railhil.judge.declared import Place
+from railhil.judge.declared import Place, ShownProfile
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import table_of
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences
 from railhil.record.trace import FloatArray, Trace
-from railhil.report.display_columns import ERROR, LEVEL, NOTE, SIGNAL, STATE, ShownColumn, grouped, shown_columns
+from railhil.report.display_columns import (
+    ERROR,
+    LEVEL,
+    NOTE,
+    SIGNAL,
+    STATE,
+    TRACKING_ERROR,
+    ShownColumn,
+    describe_column,
+    grouped,
+    shown_columns,
+)
 from railhil.scenarios.model import AnyScenario
 
 _SPEED = "km/h"
-_MPS = "m/s"
 #: Kind of a column with the raw values of a lamp.
 LAMP = "lamp"
 
@@ -52,13 +62,25 @@ class Lamp:
 
 
 @dataclass(frozen=True, slots=True)
+class Desk:
+    """An arrangement of tiles on the page: name, width in twelfths and height in rows of each, in their order.
+
+    A tile that a page does not have is left out; one that is not named follows with the size of a chart.
+    """
+
+    name: str
+    tiles: tuple[tuple[str, int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Layout:
     """The data that the page needs before the first value.
 
-    ``speed``, ``target``, ``position``, ``command``: places of the columns of the gauges; -1: there is none.
-    ``gauges``: of the columns that stand at first sight beside these. The tracking error is a column if there are speed
-    and target. ``places``: named places of the line that is drawn with the place of the train, ``strip``: the columns
-    that are drawn over it; empty: there is none. ``assumptions``: what the scenario assumes, and what it is not.
+    ``speed``, ``target``, ``position``, ``command``, ``applied``: places of the columns of the gauges; -1: there is
+    none. ``gauges``: of the columns that stand at first sight beside these. The tracking error is a column if there are
+    speed and target. ``places`` and ``profiles``: of the line that is drawn with the place of the train, ``strip``: the
+    columns that are drawn over it; empty: there is none. ``assumptions``: what the scenario assumes, and what it is
+    not. ``system``: its name, under which a page keeps arrangements of its tiles; ``desks``: those that it begins with.
     """
 
     columns: tuple[ShownColumn, ...]
@@ -72,7 +94,11 @@ class Layout:
     gauges: tuple[int, ...] = ()
     places: tuple[Place, ...] = ()
     strip: tuple[int, ...] = ()
+    profiles: tuple[ShownProfile, ...] = ()
+    applied: int = -1
     assumptions: tuple[str, ...] = ()
+    system: str = ""
+    desks: tuple[Desk, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The JSON form for the page."""
@@ -94,7 +120,9 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     columns = [
         replace(one, kind=STATE) if one.kind == SIGNAL and one.name.endswith("_level") else one for one in shown.columns
     ]
-    columns += [_make_column(name, _find_signal(contract, port, signal)) for name, port, signal in judging.shown]
+    for name, port, signal in judging.shown:
+        found = _find_signal(contract, port, signal)
+        columns.append(describe_column(name, found.unit, dict(found.values)))
     names = [column.name for column in columns]
     speed, target, position, command = (
         names.index(name) if name else -1 for name in (shown.speed, shown.target, shown.position, shown.command)
@@ -105,11 +133,16 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     columns += [ShownColumn(f"{lamp.port}.{lamp.signal}", lamp.label, "", 1.0, LAMP) for lamp in lamps]
     tracks = tuple(at for at, one in enumerate(columns) if one.kind == LEVEL)
     gauges = tuple(at for at, one in enumerate(columns) if one.name in judging.gauges)
-    strip = tuple(at for at, one in enumerate(columns) if one.name in judging.strip) or ((speed,) if speed >= 0 else ())
-    places = tuple(judging.places(scenario)) if position >= 0 and strip else ()
+    applied = next((at for at, one in enumerate(columns) if one.name == judging.applied), -1)
+    strip = tuple(at for at, one in enumerate(columns) if one.name in judging.strip)
+    strip = strip or tuple(at for at in (speed, target) if at >= 0)
+    has_line = position >= 0 and bool(strip)
+    places = tuple(judging.places(scenario)) if has_line else ()
+    profiles = tuple(judging.profiles(scenario)) if has_line else ()
+    charts = _make_charts(columns, command)
     return Layout(
         tuple(columns),
-        _make_charts(columns, command),
+        charts,
         tracks,
         lamps,
         speed,
@@ -118,19 +151,13 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
         command,
         gauges,
         places,
-        strip if places else (),
+        strip if places or profiles else (),
+        profiles,
+        applied,
         tuple(scenario.assumptions),
+        scenario.system,
+        _make_desks(charts, command),
     )
-
-
-def _make_column(name: str, signal: Signal) -> ShownColumn:
-    """A column that only the panel has; one whose values have words is a state."""
-    unit = signal.unit
-    if signal.values:
-        return ShownColumn(name, name.replace("_", " "), unit, 1.0, STATE, dict(signal.values))
-    label = name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " ")
-    is_speed = unit == _MPS
-    return ShownColumn(name, label, _SPEED if is_speed else unit, 3.6 if is_speed else 1.0, SIGNAL)
 
 
 def _find_signal(contract: Contract, port: str, signal: str) -> Signal:
@@ -146,6 +173,18 @@ def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, .
         Chart(group.title, group.unit, tuple(places[column.name] for column in group.columns))
         for group in groups
         if group.title != "position"
+    )
+
+
+def _make_desks(charts: Sequence[Chart], command: int) -> tuple[Desk, ...]:
+    """What is watched stands first and large: to drive, to see what a fault does, to see the bus."""
+    beside = [one.title for one in charts if command in one.columns or one.title == TRACKING_ERROR]
+    # Two of them are as high as the picture of the line.
+    small = dict.fromkeys((*beside[:2], "reaction ladders", "events", "values", "speed"), (4, 6))
+    return (
+        Desk("drive", (("line", 8, 12), *((title, *size) for title, size in small.items()))),
+        Desk("faults", (("line", 8, 7), ("events", 4, 12), ("reaction ladders", 8, 5), ("values", 12, 4))),
+        Desk("bus", (("frames", 8, 10), ("events", 4, 10), ("line", 12, 8))),
     )
 
 

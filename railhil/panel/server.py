@@ -34,7 +34,7 @@ _REPORT_POLICY = (
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
-_SCRIPTS = ("panel", "store", "curves", "gauges", "fault_form", "orders", "line", "requirements", "branch")
+_SCRIPTS = ("panel", "desk", "store", "curves", "gauges", "fault_form", "orders", "line", "requirements", "branch")
 _OWN = ("panel.css", *(f"{name}.js" for name in _SCRIPTS))
 _OF_CHARTS = (
     "uPlot.iife.min.js", "uPlot.min.css", "gridstack-all.js", "gridstack.min.css", "view.js", "charts.js", "charts.css"

@@ -6,6 +6,7 @@ All of it comes from the system's declarations; nothing here knows a system.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -19,13 +20,22 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System
 
 #: Unit of a column -> unit as shown, and the factor between them.
-_DISPLAYED = {"m/s": ("km/h", 3.6), "N": ("kN", 0.001), "permil": ("‰", 1.0), "m/s2": ("m/s²", 1.0), "1": ("", 1.0)}
+_DISPLAYED = {
+    "m/s": ("km/h", 3.6),
+    "N": ("kN", 0.001),
+    "permil": ("‰", 1.0),
+    "m/s2": ("m/s²", 1.0),
+    "m2": ("m²", 1.0),
+    "1": ("", 1.0),
+}
 #: Endings of column names that only state the unit.
 _ENDINGS = ("_mps2", "_mps", "_kmh", "_permil", "_kn", "_n", "_m", "_s", "_1")
 SIGNAL, NOTE, LEVEL, STATE = "signal", "note", "level", "state"
 #: Target less speed, as a column of its own: two lines of a speed lie too close to be told apart.
 ERROR = "tracking_error"
-_SPEED, _ERROR, _LAW, _LEVELS = "speed", "tracking error", "law", "reactions"
+#: Title of the chart with it.
+TRACKING_ERROR = "tracking error"
+_SPEED, _LAW, _LEVELS = "speed", "law", "reactions"
 #: Title of the chart of a unit; other charts have the unit as title.
 _TITLES = {
     "km/h": _SPEED,
@@ -37,7 +47,7 @@ _TITLES = {
     "s": "duration",
 }
 #: Order of the charts; the command's chart comes after the second, others follow.
-_ORDER = (_SPEED, _ERROR, "acceleration", "force", _LAW)
+_ORDER = (_SPEED, TRACKING_ERROR, "acceleration", "force", _LAW)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +106,7 @@ def grouped(columns: Iterable[ShownColumn], command: str = "") -> list[ColumnGro
         if column.kind == LEVEL:
             title = _LEVELS
         elif column.name == ERROR:
-            title = _ERROR
+            title = TRACKING_ERROR
         elif column.words:
             title = column.label
         elif column.kind == NOTE:
@@ -129,11 +139,12 @@ def shown_columns(scenario: AnyScenario, contract: Contract | None = None, notes
     header, _ = signal_table(scenario, empty, notes)
     units = signal_units(scenario, empty, notes)
     statuses = judging.status.every if judging.status else ()
-    told = {note.name: note for status in statuses for note in status.recorded(empty, notes)}
-    words = _words(judging, empty.contract)
+    told = {note.name: (note, status.port) for status in statuses for note in status.recorded(empty, notes)}
+    words = _words(judging, empty.contract, told.values())
     levels = {f"{watch.name}_level" for watch in judging.watches}
     columns = tuple(
-        _column(name, units.get(name, ""), name in levels, words.get(name, {}), told.get(name)) for name in header[1:]
+        describe_column(name, units.get(name, ""), words.get(name, {}), told.get(name, (None,))[0], name in levels)
+        for name in header[1:]
     )
     by_signal = {(port, signal): name for name, port, signal in judging.columns}
     truth = system.truth
@@ -153,12 +164,20 @@ def _command(system: System, by_signal: Mapping[tuple[str, str], str], columns: 
     return next((one.name for one in columns if one.kind == SIGNAL and "command" in one.name), "")
 
 
-def _column(name: str, unit: str, is_level: bool, words: Mapping[int, str], note: ReportedNote | None) -> ShownColumn:
+def describe_column(
+    name: str, unit: str, words: Mapping[int, str], note: ReportedNote | None = None, is_level: bool = False
+) -> ShownColumn:
+    """The display of a column from its name and unit: label without the ending that only states the unit.
+
+    :param words: of its values; empty: they are numbers.
+    :param note: the note of the law that it has; None: it is none.
+    """
     shown, factor = _DISPLAYED.get(unit, (unit, 1.0))
     ending = next((end for end in _ENDINGS if name.endswith(end)), "") if unit else ""
-    label = name.removesuffix(ending).replace("_", " ")
+    # Of a unit of the train: "true speed 1".
+    label = re.sub(r"(?<=[a-z])(?=\d)", " ", name.removesuffix(ending).replace("_", " "))
     if note is not None:
-        label, words = f"{note.title.replace('_', ' ')} {note.symbol}".strip(), _of_bits(note.bits)
+        label, words = f"{note.title.replace('_', ' ')} {note.symbol}".strip(), words or _of_bits(note.bits)
     kind = LEVEL if is_level else NOTE if note is not None else STATE if words else SIGNAL
     return ShownColumn(name, label, shown, factor, kind, words)
 
@@ -173,11 +192,16 @@ def _of_bits(bits: Sequence[str]) -> dict[int, str]:
     }
 
 
-def _words(judging: Judging, contract: Contract) -> dict[str, dict[int, str]]:
-    """Words of columns: of levels in the order of the ladder, of others by their raw value."""
+def _words(
+    judging: Judging, contract: Contract, notes: Iterable[tuple[ReportedNote, str]]
+) -> dict[str, dict[int, str]]:
+    """Words of columns: of levels in the order of the ladder, of others by their raw value.
+
+    :param notes: the notes with their ports.
+    """
     found = {
         name: dict(item.values)
-        for name, port, signal in judging.columns
+        for name, port, signal in (*judging.columns, *((note.name, port, note.signal) for note, port in notes))
         if (item := _signal(contract, port, signal)) is not None and item.values
     }
     for watch in judging.watches:

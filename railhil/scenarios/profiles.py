@@ -25,6 +25,12 @@ def profile_value(profile: Profile, position_m: float) -> float:
     return profile[max(index, 0)][1]
 
 
+def clip_profile(profile: Profile, low_m: float, high_m: float) -> Profile:
+    """The rows between two positions, with a row at each of them."""
+    kept = [(low_m, profile_value(profile, low_m)), *(row for row in profile if low_m < row[0] < high_m)]
+    return (*kept, (high_m, kept[-1][1]))
+
+
 def find_lowest(profile: Profile, length_m: float, most: float) -> Profile:
     """Lowest value under a train, by position of its **front**, as a step profile without repeated values.
 

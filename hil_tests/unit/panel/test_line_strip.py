@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 
 from hil_tests.support.line_record import ImaginedRun
+from railhil.judge.judging import judging_of
 from railhil.panel.layout import Layout, Rows, make_layout
 from railhil.panel.recorded import merge_layouts
 from railhil.report.display_columns import STATE
@@ -28,12 +30,15 @@ def four_stops() -> LineScenario:
 def test_a_line_has_its_stops_and_the_speeds_over_it() -> None:
     line = four_stops()
     layout = layout_of(line)
-    places = [(one.name, one.position) for one in layout.places]
+    stations = [one for one in layout.places if one.kind != "balise"]
+    places = [(one.name, one.position) for one in stations]
     assert places == [("A", 0.0), ("B", 1200.0), ("C", 2300.0), ("D", 3420.0)]
     over = [layout.columns[at] for at in layout.strip]
-    assert [one.name for one in over] == ["true_speed_mps", "permitted_mps", "ebi_mps", "speed_limit_mps"]
+    assert [one.name for one in over] == ["true_speed_mps", "permitted_mps", "ebi_mps"]
     assert {one.unit for one in over} == {"km/h"}
-    assert json.loads(json.dumps(layout.as_json()))["places"][1] == {"name": "B", "position": 1200.0}
+    assert [one.kind for one in stations] == ["stop", "stop", "mark", "stop"]
+    told = json.loads(json.dumps(layout.as_json()))["places"]
+    assert {"name": "B", "position": 1200.0, "kind": "stop"} in told
     assert len({one.name for one in layout.columns}) == len(layout.columns)
 
 
@@ -57,9 +62,33 @@ def test_states_are_words_at_first_sight() -> None:
         assert shown[name].words[raw] == word
 
 
-def test_a_system_without_places_has_no_line() -> None:
-    layout = layout_of(load_any("yizhuang_05"))
-    assert (layout.places, layout.strip, layout.gauges) == ((), (), ())
+@pytest.mark.parametrize("name", ["yizhuang_05", "hst", "emu3", "yizhuang_stop_closed", "four_stops"])
+def test_each_system_has_a_line_with_what_its_scenario_knows_of_it(name: str) -> None:
+    scenario = load_any(name)
+    layout = layout_of(scenario)
+    assert layout.columns[layout.strip[0]].name == "true_speed_mps"
+    ends_at_m = judging_of(scenario).ends_at_m(scenario)
+    if ends_at_m is not None:
+        assert [one.position for one in layout.places if one.kind == "stop"][-1] == ends_at_m
+    (planned, *others) = layout.profiles
+    assert (planned.unit, planned.is_step) == ("km/h", False)
+    for one in layout.profiles:
+        at_m = [row[0] for row in one.rows]
+        assert at_m == sorted(at_m)
+    assert {one.label for one in others} <= {"limit", "grade"}
+    # The train is told what to do and what it does, and each shipped arrangement begins with something that is there.
+    assert layout.columns[layout.applied].unit == layout.columns[layout.command].unit
+    there = {"line", "values", "events", "frames", "reaction ladders", *(one.title for one in layout.charts)}
+    for desk in layout.desks:
+        assert {tile for tile, _, _ in desk.tiles} - there <= {"speed"}
+
+
+def test_units_of_a_train_and_words_are_typeset() -> None:
+    labels = {one.name: one for one in layout_of(load_any("emu3")).columns}
+    assert (labels["true_speed2_mps"].label, labels["unit3_level"].label) == ("true speed 2", "unit 3 level")
+    stop = {one.name: one for one in layout_of(load_any("yizhuang_stop")).columns}
+    assert (stop["stage"].words[5], stop["memory_source"].words[1]) == ("brake", "slot_a")
+    assert stop["memory_variance_m2"].unit == "m²"
 
 
 def test_runs_beside_each_other_keep_their_line() -> None:

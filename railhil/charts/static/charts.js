@@ -3,11 +3,13 @@
    railhilCharts.chart(parent, description, data)   curves                        -> handle
    railhilCharts.tracks(parent, description, data)  levels over x, as bands       -> handle
    railhilCharts.join([[x, y, ...], ...])           data of several x, as uPlot.join
+   railhilCharts.drawn(element)                     the data of a chart's element, for tests
    railhilCharts.setTheme("dark" | "light" | "")    ""; what the system asks for; redraws all charts
    railhilCharts.colour(name)                       CSS colour of "0".."6", "target", "ink", "dim", "fault" ...
 
    description: {
      title, unit,                    above the chart: "title (unit)"; both may be empty
+     bare,                           the title is read out only, because something else shows it
      x: {label, unit, range},        of the horizontal axis; range: [low, high] without a zoom, otherwise that of the data
      lines: [{at, name}],            named lines across the chart, x ascending; a name without room is left out
      series: [{label, unit, colour, dash, width, step, show, names, within, end, filled}]
@@ -35,7 +37,7 @@
    } */
 "use strict";
 const railhilCharts = (() => {
-  const FONT = "12px system-ui, sans-serif", AXIS_PX = 56, NEAR_PX = 6, ROW_PX = 38, AXES_PX = 62, HEIGHT_MIN_PX = 80;
+  const FONT = "12px system-ui, sans-serif", AXIS_PX = 56, NEAR_PX = 6, ROW_PX = 38, AXES_PX = 62, HEIGHT_MIN_PX = 80, NAMES_PX = 100;
   const every = new Set();
   const dark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -264,7 +266,7 @@ const railhilCharts = (() => {
     element.setAttribute("role", "group");
     const title = named(description.title, description.unit);
     element.setAttribute("aria-label", title || "chart");
-    if (title) element.append(Object.assign(document.createElement("p"), {className: "rc-title", textContent: title}));
+    if (title && !description.bare) element.append(Object.assign(document.createElement("p"), {className: "rc-title", textContent: title}));
     const tip = Object.assign(document.createElement("div"), {className: "rc-tip", hidden: true});
     parent.append(element);
     const chart = {element, tip, markers: description.markers ?? [], lines: description.lines ?? [],
@@ -284,8 +286,9 @@ const railhilCharts = (() => {
       scales: {
         x: {time: false, ...(x.range && {range: (plot, low, high) => (chart.zoomed ? [low, high] : x.range)})},
         y: asTrack ? {range: [0, 1]} : description.y ? {range: description.y}
-          // The names of the lines have room above the curves.
-          : description.lines ? {range: (plot, low, high) => [Math.min(0, low ?? 0), (high ?? 1) / .5]} : {},
+          // The names of the lines have room above the curves, in a high chart a smaller share.
+          : description.lines ? {range: (plot, low, high) => [Math.min(0, low ?? 0), Math.max(0, high ?? 1)
+            / (description.height === "fill" ? Math.max(.6, 1 - NAMES_PX * devicePixelRatio / plot.bbox.height) : .5)]} : {},
       },
       axes: [{...axis, size: 26, gap: 3, label: named(x.label, x.unit), labelSize: 18, labelGap: 0}, yAxis],
       series: [
@@ -378,6 +381,7 @@ const railhilCharts = (() => {
     chart: (parent, description, data) => build(parent, description, data, false),
     tracks: (parent, description, data) => build(parent, description, data, true),
     join: tables => uPlot.join(tables),
+    drawn: element => [...every].find(chart => chart.element === element)?.plot.data,
     setTheme, colour,
   };
 })();

@@ -1,36 +1,48 @@
 // The charts of the page: what they show of the runs' rows, redrawn at most once a frame.
+import { element } from "./gauges.js";
 import { thinned } from "./store.js";
 
 // Points of a curve: two for each part, more than any chart has pixels; outside a zoom fewer.
 const PARTS = 900, OUTSIDE = 150;
-const DASHES = [undefined, [8, 4], [2, 3], [10, 3, 2, 3]];
+export const DASHES = [undefined, [8, 4], [2, 3], [10, 3, 2, 3]];
 
 export class Curves {
-  constructor(place, layout, runs, stores, onPick) {
-    this.layout = layout;
-    this.stores = stores;
-    this.overDistance = false;
-    this.redraws = 0;
-    this.charts = [];
-    this.dirty = false;
-    this.place = place;
-    this.runs = runs;
-    this.onPick = onPick;
+  // told: called with a column, whether a note of the law has had a value.
+  constructor(layout, runs, stores, onPick, told) {
+    Object.assign(this, { layout, runs, stores, onPick, told, overDistance: false, redraws: 0, charts: [], dirty: false, hosts: new Map() });
     this.build();
   }
 
+  destroy() { for (const one of this.charts) one.handle.destroy(); }
+
+  // The tiles: [[name, element]].
+  get tiles() { return [...this.hosts]; }
+
   build() {
-    for (const one of this.charts) one.handle.destroy();
+    this.destroy();
     this.charts = [];
+    const hosts = this.hosts;
+    this.hosts = new Map();
+    this.host = (name) => {
+      const box = hosts.get(name) ?? element("div", { class: "curves" });
+      this.hosts.set(name, box);
+      return box;
+    };
     const { columns, charts, tracks } = this.layout, many = this.runs.length > 1;
     const x = this.overDistance ? { label: "distance", unit: "m" } : { label: "time", unit: "s" };
     const labels = (run, label) => (many ? `${run.name}: ${label}` : label);
     for (const chart of charts) {
-      const series = this.runs.flatMap((run, which) => chart.columns.map((at, place) => ({
+      const shown = chart.columns.filter((at) => columns[at].kind !== "note" || this.told(at));
+      if (!shown.length) continue;
+      const title = charts.some((one) => one !== chart && one.title === chart.title) && chart.unit ? `${chart.title} (${chart.unit})` : chart.title;
+      const series = this.runs.flatMap((run, which) => shown.map((at, place) => ({
         label: labels(run, columns[at].label), unit: columns[at].unit, colour: this.colour(chart, at, place),
-        dash: DASHES[which % DASHES.length], names: this.words(columns[at]), step: columns[at].kind === "note" || at === this.layout.command,
+        // A unit of the train differs by its dashes, too.
+        dash: DASHES[(many ? which : (/ (\d)$/.exec(columns[at].label)?.[1] ?? 1) - 1) % DASHES.length],
+        names: this.words(columns[at]), step: columns[at].kind === "note" || at === this.layout.command,
+        end: shown.length * this.runs.length > 1 ? labels(run, shown.length > 1 ? columns[at].label : "").replace(/: $/, "") : undefined,
       })));
-      this.add("chart", { title: chart.title, unit: chart.unit, x, series, sync: "panel" }, chart.columns);
+      this.add("chart", title, { title: chart.title, unit: chart.unit, x, series, sync: "panel" }, shown);
     }
     const levels = tracks.filter((at) => columns[at].kind === "level");
     if (levels.length) {
@@ -38,7 +50,7 @@ export class Curves {
         label: labels(run, columns[at].label.replace(" level", "")),
         names: Object.values(columns[at].words).map((word) => word.replaceAll("_", " ")),
       })));
-      this.add("tracks", { title: "reaction ladders", x, series, sync: "panel" }, levels);
+      this.add("tracks", "reaction ladders", { title: "reaction ladders", x, series, sync: "panel" }, levels);
     }
     this.touch();
   }
@@ -53,10 +65,10 @@ export class Curves {
     return words.length ? words : undefined;
   }
 
-  add(kind, description, columns) {
+  add(kind, name, description, columns) {
     const places = this.runs.length > 1 ? this.runs.length * columns.length : columns.length;
     const empty = [[], ...Array.from({ length: places }, () => [])];
-    const handle = railhilCharts[kind](this.place, description, empty);
+    const handle = railhilCharts[kind](this.host(name), { ...description, bare: true, height: "fill" }, empty);
     handle.plot.over.addEventListener("click", (event) => {
       const value = handle.plot.posToVal(event.offsetX, "x");
       if (Number.isFinite(value)) this.onPick(this.timeOf(value));
@@ -66,12 +78,7 @@ export class Curves {
 
   // Over distance an instant is where the first run was.
   timeOf(value) {
-    const store = this.stores[0];
-    if (!this.overDistance) return value;
-    const way = store.values[this.layout.position];
-    let row = 0;
-    while (row < store.rows - 1 && way[row] < value) row += 1;
-    return store.times[row];
+    return this.overDistance ? timeAt(this.stores[0], this.layout.position, value) : value;
   }
 
   xOf(timeS) {
@@ -116,6 +123,9 @@ export class Curves {
     return tableOver(x, store, columns, low, high);
   }
 }
+
+// The instant at which a run was at a position.
+export const timeAt = (store, column, position) => store.times[Math.min(place(store.values[column], store.rows, position), store.rows - 1)] ?? 0;
 
 // The whole run over x, thinned, and less so between low and high.
 export function tableOver(x, store, columns, low, high) {

@@ -12,29 +12,30 @@ export const element = (tag, attributes = {}, text = "") => {
   return made;
 };
 
-// What stands at an instant in the columns of a run.
+// What stands at an instant in the columns of a run: what is watched in one place, everything else in another.
 export class Gauges {
-  constructor(place, layout, runs) {
+  // told: called with (run, column), whether a note of the law has had a value.
+  constructor(place, others, layout, runs, told) {
     this.layout = layout;
     this.boxes = [];
+    this.stops = [];
     place.replaceChildren();
-    const { columns } = layout;
-    const first = [layout.speed, layout.target, layout.command].filter((at) => at >= 0);
-    const error = columns.findIndex((one) => one.name === "tracking_error_kmh");
-    const second = [...new Set([error, layout.position, ...layout.gauges, ...columns.map((_, at) => at)
-      .filter((at) => columns[at].kind === "note" || columns[at].kind === "level")])].filter((at) => at >= 0 && !first.includes(at));
-    const rest = columns.map((_, at) => at).filter((at) => columns[at].kind !== "lamp" && !first.includes(at) && !second.includes(at));
+    others.replaceChildren();
+    const { columns, speed, target, command, applied } = layout, every = columns.map((_, at) => at);
+    const error = columns.findIndex((one) => one.name === "tracking_error");
+    const first = [...new Set([speed, target, command, applied, error, ...layout.gauges, ...every.filter((at) => columns[at].kind === "level")])]
+      .filter((at) => at >= 0);
     runs.forEach((run, which) => {
-      const box = element("div", { class: "run" });
-      if (runs.length > 1) box.append(element("h2", {}, run.name));
-      for (const at of first) box.append(this.box(which, at, true));
-      for (const at of second) box.append(this.box(which, at, false));
+      const box = element("div", { class: "run" }), rest = element("div", { class: "run" });
+      if (runs.length > 1) for (const one of [box, rest]) one.append(element("h3", {}, run.name));
+      for (const at of first) {
+        box.append(this.box(which, at, at === speed));
+        if (at === (target >= 0 ? target : speed) && layout.places.some((one) => one.kind === "stop")) box.append(this.stopBox(which));
+      }
+      rest.append(...every.filter((at) => columns[at].kind !== "lamp" && !first.includes(at) && (columns[at].kind !== "note" || told(which, at)))
+        .map((at) => this.box(which, at, false)));
       place.append(box);
-      if (!rest.length) return;
-      const more = element("details"), inside = element("div", { class: "run" });
-      more.append(element("summary", {}, "all values"), inside);
-      for (const at of rest) inside.append(this.box(which, at, false));
-      place.append(more);
+      others.append(rest);
     });
   }
 
@@ -49,6 +50,13 @@ export class Gauges {
     return box;
   }
 
+  stopBox(which) {
+    const box = element("div", { class: "value to-go", "data-column": "to_go" }), number = element("b"), what = element("span");
+    box.append(number, what);
+    this.stops.push({ which, number, what });
+    return box;
+  }
+
   show(stores, rows) {
     for (const { which, at, box, value, column } of this.boxes) {
       const row = rows[which], number = row < 0 ? NaN : stores[which].values[at][row];
@@ -58,20 +66,55 @@ export class Gauges {
       if (value.textContent !== text) value.textContent = text;
       if (column.kind === "level") box.classList.toggle("raised", number > 0);
     }
+    for (const { which, number, what } of this.stops) {
+      const [text, words] = saidOfStop(findStop(stores[which], this.layout, rows[which]));
+      if (number.textContent !== text) number.textContent = text;
+      if (what.textContent !== words) what.textContent = words;
+    }
   }
 }
 
-// Form and words say what a lamp is, not its colour alone.
-export function showLamps(place, lamps, states) {
-  if (place.childElementCount !== lamps.length) {
-    place.replaceChildren(...lamps.map(() => element("span", { class: "lamp" })));
+// How near a stop is told to a centimetre, m; a train that has stood there and is this much further has left it, m.
+const NEAR_M = 20, LEFT_M = 5, STANDS_KMH = 0.02;
+
+// The stop that the train runs to or stands at, in a row; null: none is known.
+export function findStop(store, layout, row) {
+  const way = store.values[layout.position], speed = store.values[layout.speed];
+  if (row < 0 || Number.isNaN(way[row])) return null;
+  const hasLeft = (stop) => {
+    for (let back = row; back >= 0 && way[back] >= stop.position - NEAR_M; back -= 1)
+      if (speed[back] < STANDS_KMH && way[row] > way[back] + LEFT_M) return true;
+    return false;
+  };
+  const stop = layout.places.find((one) => one.kind === "stop" && way[row] <= one.position + NEAR_M && !hasLeft(one));
+  return stop ? { name: stop.name, leftM: stop.position - way[row], stands: speed[row] < STANDS_KMH } : null;
+}
+
+// A number and what it is: the distance to go, near the stop to a centimetre.
+function saidOfStop(stop) {
+  if (!stop) return ["–", "to go"];
+  const { name, leftM, stands } = stop;
+  if (Math.abs(leftM) > NEAR_M) return [`${leftM.toFixed(leftM < 1000 ? 1 : 0)} m`, `to ${name}`];
+  const cm = Math.round(Math.abs(leftM) * 100);
+  return [`${cm} cm`, !cm ? `at ${name}` : leftM < 0 ? `${stands ? "stopped " : ""}past ${name}` : stands ? `short of ${name}` : `to ${name}`];
+}
+
+// Form and words say what a lamp is, not its colour alone; a row for each run. states: of each run, of each lamp.
+export function showLamps(place, lamps, states, names) {
+  if (place.childElementCount !== states.length || place.firstElementChild?.dataset.lamps !== String(lamps.length)) {
+    place.replaceChildren(...states.map((_, which) => {
+      const row = element("div", { class: "lamps", "data-lamps": lamps.length, role: "group", "aria-label": "lamps", tabindex: "0" });
+      if (states.length > 1) row.append(element("span", {}, names[which]));
+      row.append(...lamps.map(() => element("span", { class: "lamp" })));
+      return row;
+    }));
   }
-  lamps.forEach((lamp, at) => {
-    const state = states[at], is = Number.isNaN(state) ? "unknown" : state === lamp.normal ? "on" : "off";
+  states.forEach((of, which) => lamps.forEach((lamp, at) => {
+    const state = of[at], is = Number.isNaN(state) ? "unknown" : state === lamp.normal ? "on" : "off";
     const text = `${{ unknown: "○", on: "●", off: "✕" }[is]} ${lamp.label}${is === "off" ? ": NO" : is === "unknown" ? ": ?" : ""}`;
-    const box = place.children[at];
+    const box = place.children[which].querySelectorAll(".lamp")[at];
     if (box.textContent !== text) { box.textContent = text; box.className = `lamp ${is}`; }
-  });
+  }));
 }
 
 export function showEvents(place, events, onPick) {

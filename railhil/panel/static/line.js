@@ -1,60 +1,63 @@
-// The line with its named places: speeds over it, and the place of each train.
-import { tableOver } from "./curves.js";
-
-const DASHES = [undefined, [8, 4], [2, 3], [10, 3, 2, 3]];
+// The line with its named places: speeds over it, what the scenario says of it, and the place of each train.
+import { DASHES, tableOver, timeAt } from "./curves.js";
 
 export class Line {
   constructor(place, layout, runs, stores, onPick) {
-    this.layout = layout;
-    this.stores = stores;
-    this.dirty = false;
+    Object.assign(this, { layout, stores, dirty: false, charts: [] });
     place.replaceChildren();
-    const { columns, places, strip } = layout, many = runs.length > 1;
-    place.hidden = !places.length;
-    if (!places.length) return;
-    const at = places.map((one) => one.position), low = Math.min(...at), high = Math.max(...at);
-    // The train has room at both ends.
-    const beside = 0.01 * (high - low);
-    const series = runs.flatMap((run, which) => strip.map((column, number) => ({
-      label: many ? `${run.name}: ${columns[column].label}` : columns[column].label, unit: columns[column].unit,
-      colour: column === layout.target ? "target" : number % 7, dash: DASHES[which % DASHES.length],
-    })));
-    const unit = columns[strip[0]].unit, empty = [[], ...series.map(() => [])];
-    this.handle = railhilCharts.chart(place, {
-      title: "line", unit, series, height: 290,
-      x: { label: "position", unit: columns[layout.position].unit, range: [low - beside, high + beside] },
-      lines: places.map((one) => ({ at: one.position, name: one.name })),
-    }, empty);
-    this.handle.plot.over.addEventListener("click", (event) => {
-      const value = this.handle.plot.posToVal(event.offsetX, "x");
-      if (Number.isFinite(value)) onPick(this.timeAt(value));
-    });
-  }
-
-  // The instant at which the first run was at a position.
-  timeAt(position) {
-    const store = this.stores[0], way = store.values[this.layout.position];
-    let row = 0;
-    while (row < store.rows - 1 && way[row] < position) row += 1;
-    return store.times[row] ?? 0;
+    const { columns, places, profiles, strip, position } = layout, many = runs.length > 1;
+    place.hidden = !strip.length;
+    if (!strip.length) return;
+    const at = [...places.map((one) => one.position), ...profiles.flatMap((one) => one.rows.map(([x]) => x))];
+    const low = Math.min(...at), high = Math.max(...at), beside = 0.01 * (high - low);
+    const { unit } = columns[strip[0]], named = (kinds) => places.filter((one) => kinds.includes(one.kind)).map((one) => ({ at: one.position, name: one.name }));
+    const add = (title, unit, series, own, lines) => {
+      const box = place.appendChild(document.createElement("div"));
+      const handle = railhilCharts.chart(box, {
+        title, unit, bare: true, height: "fill", sync: "line", lines,
+        // The train has room at both ends.
+        x: { label: "position", unit: columns[position].unit, range: [low - beside, high + beside] },
+        series: [...series, ...own.map((one, number) => ({ label: one.label, unit: one.unit, colour: number ? "fault" : 5,
+          dash: [6, 3], step: one.is_step, filled: !series.length, end: series.length ? one.label : undefined }))],
+      }, [[], ...series.map(() => []), ...own.map(() => [])]);
+      handle.plot.over.addEventListener("click", (event) => {
+        const value = handle.plot.posToVal(event.offsetX, "x");
+        if (Number.isFinite(value)) onPick(timeAt(stores[0], position, value));
+      });
+      this.charts.push({ handle, has: series.length, profiles: own.map(({ rows }) => [rows.map(([x]) => x), rows.map(([, y]) => y)]) });
+    };
+    const series = runs.flatMap((run, which) => strip.map((column, number) => {
+      const label = many ? `${run.name}: ${columns[column].label}` : columns[column].label;
+      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : number % 7, end: label,
+        width: column === layout.speed ? 2 : 1, dash: DASHES[which % DASHES.length] };
+    }));
+    add("line", unit, series, profiles.filter((one) => one.unit === unit), named(["stop", "mark"]));
+    const others = profiles.filter((one) => one.unit !== unit);
+    if (others.length) add(others[0].label, others[0].unit, [], others, named(["balise"]));
+    for (const one of this.charts) if (!one.has) one.handle.setData(joined(one.profiles));
+    this.touch();
   }
 
   touch() {
-    if (this.dirty || !this.handle) return;
+    if (this.dirty || !this.charts.length) return;
     this.dirty = true;
     requestAnimationFrame(() => {
       this.dirty = false;
-      const [low, high] = this.handle.zoomed() ? this.handle.range() : [-Infinity, Infinity];
+      const { handle, profiles } = this.charts[0], [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
       const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.layout.strip, low, high));
-      this.handle.setData(tables.length > 1 ? railhilCharts.join(tables) : tables[0]);
+      handle.setData(joined([...tables, ...profiles]));
     });
   }
 
+  whole() { this.charts[0]?.handle.zoom(); }
+
   // The trains where they are in some rows; -1: not known.
   show(rows) {
-    if (!this.handle) return;
-    this.handle.setPlaces(rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]])));
+    const places = rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]]));
+    for (const { handle } of this.charts) handle.setPlaces(places);
   }
 
-  destroy() { this.handle?.destroy(); }
+  destroy() { for (const { handle } of this.charts) handle.destroy(); }
 }
+
+const joined = (tables) => (tables.length > 1 ? railhilCharts.join(tables) : tables[0]);

@@ -2,6 +2,7 @@
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
 import { Orders } from "./orders.js";
+import { Desk } from "./desk.js";
 import { Line } from "./line.js";
 import { showRequirements } from "./requirements.js";
 import { BranchForm } from "./branch.js";
@@ -58,7 +59,6 @@ function take(message) {
   if (message.header) begin(message.header);
   if (message.events) {
     page.events = message.replace ? message.events : [...page.events, ...message.events].slice(-1000);
-    byId("events-of").hidden = false;
     showEvents(byId("events"), page.events, pick);
     page.curves.markers(page.events.filter((one) => one.kind !== "start"));
   }
@@ -83,23 +83,39 @@ function begin(header) {
   byId("judged").hidden = true;
   branches.begin(header);
   byId("frames-of").hidden = header.kind !== "live";
-  byId("lamps").hidden = !page.layout.lamps.length || header.runs.length > 1;
+  byId("lamps").hidden = !page.layout.lamps.length;
   byId("axis").hidden = page.layout.position < 0;
   byId("assumed-of").hidden = !page.layout.assumptions.length;
   byId("assumed").replaceChildren(...page.layout.assumptions.map((one) => element("li", {}, one)));
-  page.gauges = new Gauges(byId("values"), page.layout, header.runs);
-  const charts = byId("charts");
-  charts.replaceChildren();
-  page.curves = new Curves(charts, page.layout, header.runs, page.stores, pick);
   page.line?.destroy();
   page.line = new Line(byId("line"), page.layout, header.runs, page.stores, pick);
+  page.curves?.destroy();
+  page.curves = new Curves(page.layout, header.runs, page.stores, pick, (at) => page.stores.some((store) => store.told[at]));
+  page.told = toldNotes();
   showLearning(header.learning ?? []);
+  arrange();
   if (header.kind === "recorded") {
     const facts = header.runs.map((run) => run.facts.verdict).filter(Boolean);
     byId("phase").textContent = facts.join(" · ");
   }
   if (page.watched !== null) send({ watch: page.watched });
   tellShown();
+}
+
+// The notes that the law has told so far: what it never tells has no place on the page.
+const toldNotes = () => page.layout.columns.flatMap((one, at) => (one.kind === "note" && page.stores.some((store) => store.told[at]) ? [at] : [])).join();
+
+function arrange() {
+  const { layout } = page, tables = [["values", "more"], ["events", "events-of"], ["requirements", "judged"], ["frames", "frames-of"],
+    ["branch", "branch"], ["learning", "learning"], ["assumed by the scenario", "assumed-of"]];
+  page.gauges = new Gauges(byId("values"), byId("more"), layout, page.header.runs, (run, at) => page.stores[run].told[at]);
+  desk.begin(layout.system, layout.desks, [["line", byId("line")], ...page.curves.tiles, ...tables.map(([name, id]) => [name, byId(id)])]);
+}
+
+function rebuild() {
+  page.curves.build();
+  page.curves.markers(page.events);
+  arrange();
 }
 
 // Of a law with a memory: its errors and what it keeps, by the number of the run.
@@ -120,6 +136,8 @@ function takeBatch(buffer) {
   page.stores[run].take(kind === REPLACE, buffer, rows, columns);
   counters.batches += 1;
   counters.rows += rows;
+  const told = toldNotes();
+  if (told !== page.told) { page.told = told; rebuild(); }
   page.curves.touch();
   page.line.touch();
   if (page.picked !== null) requestAnimationFrame(() => page.curves.cursor(page.picked));
@@ -141,8 +159,8 @@ function show() {
   const rows = page.stores.map((store) => store.rowAt(instant + 1e-6));
   page.gauges.show(page.stores, rows);
   page.line.show(rows);
-  const row = page.stores[0].rowAt(instant + 1e-6);
-  showLamps(byId("lamps"), page.layout.lamps, page.layout.lamps.map((lamp) => (row < 0 ? NaN : page.stores[0].values[lamp.column][row])));
+  const { lamps } = page.layout, states = page.stores.map((store, run) => lamps.map((lamp) => (rows[run] < 0 ? NaN : store.values[lamp.column][rows[run]])));
+  showLamps(byId("lamps"), lamps, states, page.header.runs.map((run) => run.name));
   const slider = byId("instant");
   slider.max = end;
   if (document.activeElement !== slider || page.picked === null) slider.value = instant;
@@ -202,17 +220,17 @@ function watch(id) {
 
 const orders = new Orders(send);
 
+const desk = new Desk(byId("tiles"), byId("arrange"));
+
 const branches = new BranchForm(byId("branch"), (asked) => orders.order(asked, ""));
 
 byId("instant").addEventListener("input", () => pick(Number(byId("instant").value)));
 byId("live").addEventListener("click", () => pick(null));
-byId("whole").addEventListener("click", () => { page.curves.whole(); page.curves.touch(); });
+byId("whole").addEventListener("click", () => { page.curves.whole(); page.line.whole(); page.curves.touch(); page.line.touch(); });
 byId("axis").addEventListener("click", () => {
   page.curves.overDistance = !page.curves.overDistance;
   byId("axis").textContent = page.curves.overDistance ? "over time" : "over distance";
-  byId("charts").replaceChildren();
-  page.curves.build();
-  page.curves.markers(page.events);
+  rebuild();
 });
 byId("theme").addEventListener("click", () => {
   const dark = document.documentElement.dataset.theme
@@ -225,9 +243,20 @@ function setTheme(name) {
   railhilCharts.setTheme(name);
 }
 
+// The instant goes to the next sample, or the tenth next.
+function step(event) {
+  const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key], store = page.stores[0];
+  if (!side || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || !store?.rows) return;
+  const row = store.rowAt((page.picked ?? store.endS) + 1e-6) + side * (event.shiftKey ? 10 : 1);
+  pick(store.times[Math.min(Math.max(row, 0), store.rows - 1)]);
+  event.preventDefault();
+}
+byId("instant").addEventListener("keydown", step);
+
 const KEYS = { s: "start", p: "pause", x: "stop", e: "emergency", r: "reset", d: "axis", z: "whole", t: "theme" };
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+  step(event);
   const id = KEYS[event.key.toLowerCase()];
   if (id && !byId(id).disabled && byId(id).offsetParent) { byId(id).click(); event.preventDefault(); }
 });
@@ -247,7 +276,7 @@ if (localStorage.getItem("railhil-theme")) railhilCharts.setTheme(localStorage.g
 page.picked = readHash();
 addEventListener("hashchange", () => { const instant = readHash(); if (instant !== null) pick(instant); });
 new IntersectionObserver((entries) => { page.listSeen = entries.at(-1).isIntersecting; tellShown(); })
-  .observe(byId("frames-of").querySelector(".scroll"));
+  .observe(byId("frames-of"));
 document.addEventListener("visibilitychange", tellShown);
 countFrame();
 connect();

@@ -10,8 +10,8 @@ export function showRequirements(box, { rows, said, so_far: soFar }, onPick) {
   const word = (row) => (soFar && SO_FAR[row.verdict]) || row.verdict, place = box.querySelector("tbody"), counts = {};
   for (const row of rows) counts[word(row)] = (counts[word(row)] ?? 0) + 1;
   box.hidden = !rows.length;
-  box.querySelector("summary").textContent = `requirements: ${Object.entries(counts).map(([name, count]) => `${count} ${name}`).join(", ")}`;
-  box.querySelector("p").textContent = said;
+  box.querySelector(".counts").textContent = `${Object.entries(counts).map(([name, count]) => `${count} ${name}`).join(", ")}`;
+  box.querySelector(".said").textContent = said;
   while (place.childElementCount > rows.length) place.lastChild.remove();
   while (place.childElementCount < rows.length) {
     const row = element("tr", { tabindex: "0" }), go = () => { if (row.dataset.at) onPick(Number(row.dataset.at)); };

@@ -8,6 +8,8 @@ export class Store {
     this.times = new Float64Array(ROWS_MAX);
     this.values = Array.from({ length: columns }, () => new Float32Array(ROWS_MAX));
     this.rows = 0;
+    // Whether a column has had a value other than 0.
+    this.told = this.values.map(() => false);
   }
 
   // A batch as railhil.panel.wire writes it, without its first four numbers.
@@ -15,6 +17,9 @@ export class Store {
     if (replace) this.rows = 0;
     const times = new Float64Array(buffer, 16, rows);
     const values = new Float32Array(buffer, 16 + 8 * rows, rows * columns);
+    this.told.forEach((is, at) => {
+      if (!is) this.told[at] = values.subarray(at * rows, (at + 1) * rows).some((value) => value && !Number.isNaN(value));
+    });
     for (let from = 0; from < rows;) {
       if (this.rows === ROWS_MAX) this.halve();
       const count = Math.min(rows - from, ROWS_MAX - this.rows);

@@ -10,7 +10,7 @@ from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, Limit, scores, unscored
-from railhil.judge.declared import Watch
+from railhil.judge.declared import Place, ShownProfile, Watch
 from railhil.judge.judging import Judging
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
@@ -21,6 +21,8 @@ from railhil.systems.high_speed.target import journey_curve
 from railhil.wire.high_speed import UnitCause, UnitLevel
 from railhil.wire.power_units import Wire, wire
 
+#: Points of the target curve on the panel.
+_POINTS = 1000
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
 )
@@ -146,6 +148,24 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
+def _places(scenario: Any) -> list[Place]:
+    """Where the emergency is triggered, and the stopping point if the run can reach it."""
+    task, found = scenario.task, []
+    if task.emergency is not None:
+        found.append(Place("emergency", task.emergency.at_km * 1000.0, "mark"))
+    if _arrives(scenario):
+        found.append(Place("stopping point", journey_curve(task).positions_m[-1]))
+    return found
+
+
+def _profiles(scenario: Any) -> list[ShownProfile]:
+    """The target curve of the journey over the part that the run covers, km/h."""
+    task, curve = scenario.task, journey_curve(scenario.task)
+    times_s = np.linspace(task.start_s, task.start_s + task.duration_s, _POINTS)
+    rows = tuple((curve.position_m(time_s), curve.speed_mps(time_s) * 3.6) for time_s in times_s.tolist())
+    return [ShownProfile("target curve", "km/h", rows, is_step=False)]
+
+
 def _judging(units: int) -> Judging:
     ports = wire(units)
     truth, reference = ports.truth.PORT, ports.reference.PORT
@@ -170,6 +190,9 @@ def _judging(units: int) -> Judging:
             f"{scenario.task.duration_s:g} s; RMSE of the speed at most {scenario.task.rmse_max_kmh:g} km/h"
         ),
         published="figures of the NGPC papers, which print no RMSE of the speed",
+        applied="drive_mps2",
+        places=_places,
+        profiles=_profiles,
         facts=_facts,
         watches=tuple(
             Watch(

@@ -10,17 +10,20 @@ import numpy as np
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
 from railhil.judge.criteria import DID_NOT_STOP, STOP_ERROR_KEY, Criterion, Limit, scores, unscored
-from railhil.judge.declared import Watch
+from railhil.judge.declared import Place, ShownProfile, Watch
 from railhil.judge.judging import Judging, SequenceMeasure
 from railhil.judge.record_checks import incomplete
 from railhil.judge.score import Score
 from railhil.record.notes import Status, wrap_failure
 from railhil.record.trace import Trace
+from railhil.scenarios.profiles import clip_profile
 from railhil.systems.stop.approach import Approach
 from railhil.wire.stop import BrakeCommand, BrakeLevel, BrakeStatus, Odo, SpeedRaw, StopReport, Truth
 
 #: Median in fixed point against float64: a stop is as exact as lengths on the bus, with any law.
 _AUDIT_ALLOWED_M = 0.001
+#: Interval of the planned speed on the panel, m.
+_STEP_M = 2.0
 STOP_ERROR = Criterion(
     STOP_ERROR_KEY,
     "stop error",
@@ -120,6 +123,27 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     ]
 
 
+def _places(scenario: Any) -> list[Place]:
+    """Balises by their id, and the stopping point."""
+    task = scenario.task
+    balises = [
+        Place(str(number), task.stop_m - before_m, "balise") for number, before_m in enumerate(task.balises_m, 1)
+    ]
+    return [*balises, Place(task.platform, task.stop_m)]
+
+
+def _profiles(scenario: Any) -> list[ShownProfile]:
+    """Planned speed of the approach in km/h, with the planned deceleration of the brake; grade map in permil."""
+    task = scenario.task
+    left_m = np.append(np.arange(task.stop_m - task.start_m, 0.0, -_STEP_M), 0.0)
+    speed_kmh = np.minimum(task.approach_kmh, np.sqrt(2.0 * task.brake.braking_mps2 * left_m) * 3.6)
+    planned = tuple(zip((task.stop_m - left_m).tolist(), speed_kmh.tolist(), strict=True))
+    return [
+        ShownProfile("planned", "km/h", planned, is_step=False),
+        ShownProfile("grade", "‰", clip_profile(task.grade, task.start_m, task.stop_m)),
+    ]
+
+
 STOP = Judging(
     criteria=CRITERIA,
     learned=(SequenceMeasure(STOP_ERROR, within=(0.1, 0.3), converged=0.3),),
@@ -144,4 +168,7 @@ STOP = Judging(
     facts=_facts,
     watches=(_WATCH,),
     ends_at_m=lambda scenario: scenario.task.stop_m,
+    places=_places,
+    profiles=_profiles,
+    applied="drive_mps2",
 )

@@ -24,6 +24,7 @@ from railhil.systems.ato.judge.criteria import CRITERIA, OVERSPEED, STOP_ERROR, 
 from railhil.systems.ato.judge.curves import wanted_mps
 from railhil.systems.ato.judge.events import INTERLOCKS, STATUS, WATCHES, received
 from railhil.systems.ato.judge.measures import limits_under_train
+from railhil.systems.ato.judge.places import shown_places, shown_profiles
 from railhil.systems.ato.judge.score import score
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.wire.ato import CtlStat, NotchCmd, SimTruth, TrkInfo, TrnPos, TrnSpeed
@@ -41,6 +42,9 @@ COLUMNS = (
     ("notch_command", NotchCmd.PORT, "NotchCmd"),
     ("controller_mode", NotchCmd.PORT, "CtlMode"),
 )
+
+#: What the train makes of the notch command, as a column of the panel.
+APPLIED = ("notch_applied", TrnPos.PORT, "NotchActual")
 
 
 def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
@@ -169,9 +173,12 @@ JUDGING = Judging(
     advice=advice,
     reckoned=reckoned,
     quantities=quantities,
-    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),),
+    shown=(("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"), APPLIED),
     watches=WATCHES,
     interlocks=INTERLOCKS,
     received=received,
     ends_at_m=lambda scenario: scenario.plan.distance_m,
+    places=shown_places,
+    profiles=shown_profiles,
+    applied=APPLIED[0],
 )

@@ -9,7 +9,6 @@ import numpy as np
 
 from railhil.common.command_line import LAW_WITH_POSITION
 from railhil.common.digits import count_of, text_beside_limit
-from railhil.judge.declared import Place
 from railhil.judge.judging import Judging, Noted
 from railhil.judge.record import Record
 from railhil.judge.score import Score
@@ -24,6 +23,7 @@ from railhil.systems.line.judge.criteria import CRITERIA, EXTRAS, INTERVENTIONS,
 from railhil.systems.line.judge.events import INTERLOCKS, WATCHES, received
 from railhil.systems.line.judge.invariants import limits_at
 from railhil.systems.line.judge.milestones import milestones_of
+from railhil.systems.line.judge.places import shown_places, shown_profiles
 from railhil.systems.line.judge.score import score
 from railhil.systems.line.planned import planned_motion
 from railhil.systems.line.scenario.model import LineScenario
@@ -161,6 +161,7 @@ JUDGING = Judging(
         ("speed_limit_mps", TrkInfo.PORT, "SpeedLimit"),
         ("ato_state", AtoStat.PORT, "AtoState"),
         ("signal_next", StnInfo.PORT, "SignalNext"),
+        of_train.APPLIED,
     ),
     noted=(Noted("worst_stop", "worst stop", "worst_stop_error_m", "m", 4, find_worst_stop),),
     stop_events=("stopped", "arrived"),
@@ -168,7 +169,9 @@ JUDGING = Judging(
     interlocks=INTERLOCKS,
     received=received,
     ends_at_m=lambda scenario: scenario.plan.distance_m,
-    places=lambda scenario: [Place(stop.name, stop.position_m) for stop in scenario.stops],
-    strip=("true_speed_mps", "permitted_mps", "ebi_mps", "speed_limit_mps"),
+    places=shown_places,
+    profiles=shown_profiles,
+    strip=("true_speed_mps", "permitted_mps", "ebi_mps"),
     gauges=_GAUGES,
+    applied=of_train.APPLIED[0],
 )
