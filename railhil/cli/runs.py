@@ -11,6 +11,8 @@ from railhil.common.digits import count_of
 from railhil.common.extras import need
 from railhil.common.output import Output, show_progress
 from railhil.common.streams import add_json_argument, print_json
+from railhil.common.user_files import refuse_unwritable
+from railhil.scenarios.options import add_option
 
 _EXIT_CODES = """\
 exit codes:
@@ -61,6 +63,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "railhil runs",
             "railhil runs runs --where verdict=FAIL --since 3d",
             "railhil runs runs --group law",
+            "railhil runs runs --out runs/index.html",
         ],
         epilog=_EXIT_CODES,
     )
@@ -80,6 +83,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help=f"print the last N of them; 0: all (default: {_LAST})",
     )  # fmt: skip
     add_json_argument(parser)
+    add_option(parser, "--out FILE", ": the page of all folders, which opens offline", usual="")
     parser.set_defaults(work=work)
 
 
@@ -99,6 +103,11 @@ def work(namespace: argparse.Namespace) -> int:
             show.check_key(index, option, key)
     every = show.all_rows(index)
     rows = show.in_order(show.chosen(every, where, namespace.since), namespace.sort)
+    if namespace.out is not None:
+        from railhil.index.page import write_page
+
+        with refuse_unwritable("--out", Path(namespace.out), "file"):
+            write_page(index, Path(namespace.out))
     found = show.groups(rows, namespace.group) if namespace.group else rows[-namespace.last :]
     if namespace.json:
         print_json([show.as_json(one) for one in (found if namespace.group else rows)])
@@ -111,4 +120,6 @@ def work(namespace: argparse.Namespace) -> int:
     )
     last = f", the last {len(found)} shown" if not namespace.group and len(found) < len(rows) else ""
     console.say(f"{said} below {root}{last}; {len(index.new)} new or changed since the index was last made")
+    if namespace.out is not None:
+        console.say(f"page {namespace.out}")
     return 0

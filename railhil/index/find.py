@@ -14,15 +14,16 @@ from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.judge.events.event import EVENTS
 from railhil.record.documents import CERTIFICATE, SCORE
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST, REPORT, SIGNATURE
-from railhil.study.parts import PARTS, SUMMARY
 
+#: Of :mod:`railhil.study.parts`, which needs the library of tables.
+_PARTS, _SUMMARY = "parts", "summary.json"
 #: The folder of the index, in the directory whose folders it has.
 INDEX = ".railhil-index"
 #: The kind of the folder of a run; the kind of every other folder is the name of its document.
 RUN = "run"
 _LOG = "frames.log"
 #: Files whose contents are in the index, and those that say something by being there.
-_READ = (*DOCUMENTS, SCORE, SUMMARY, EVENTS, HASH_LIST, SIGNATURE, REPORT, _LOG)
+_READ = (*DOCUMENTS, SCORE, _SUMMARY, EVENTS, HASH_LIST, SIGNATURE, REPORT, _LOG)
 #: The instant with which names of usual folders begin (:func:`railhil.record.run_folder.run_folder`).
 _STAMP = re.compile(r"(\d{8}T\d{6}Z)-")
 
@@ -63,6 +64,13 @@ def find_folders(root: Path) -> tuple[list[Found], list[str]]:
     return sorted(_walk(root, "", unread), key=lambda one: one.folder), unread
 
 
+def has_runs_below(folder: Path) -> bool:
+    """Whether a directory is shown by its index: it is no run and no sequence, and has folders of runs below it."""
+    if not folder.is_dir() or any((folder / name).is_file() for name in (_LOG, CERTIFICATE, "sequence.json")):
+        return False
+    return any(one.folder != "." for one in find_folders(folder)[0])
+
+
 def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
     files: dict[str, os.stat_result] = {}
     folders = []
@@ -70,7 +78,7 @@ def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
         with os.scandir(place) as entries:
             for entry in entries:
                 if entry.is_dir(follow_symlinks=False):
-                    if entry.name != PARTS and not entry.name.startswith("."):
+                    if entry.name != _PARTS and not entry.name.startswith("."):
                         folders.append(entry.name)
                 elif entry.name in _READ:
                     files[entry.name] = entry.stat()

@@ -14,7 +14,6 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from railhil.common.user_files import whole_file
-from railhil.common.version import full_version
 from railhil.index.find import INDEX, find_folders
 from railhil.index.rows import EVENT, FACTS, FAULT, LISTS, REACTION, REQUIREMENT, Rows, rows_of
 
@@ -57,7 +56,9 @@ SCHEMAS: Final[Mapping[str, pa.Schema]] = {
         [_FOLDER, *_schema(("law", "score", "unit", "figure"), value=pa.float64(), runs=pa.int64())]
     ),
 }  # fmt: skip
-_VERSION = b"railhil"
+#: What rows mean beside their columns: another number when they are read in another way.
+_READING = 1
+_FORMAT = sha256(f"{_READING} {[str(one) for one in SCHEMAS.values()]}".encode()).digest()
 
 
 @dataclass
@@ -126,7 +127,7 @@ def _joined(kept: pa.Table | None, made: pa.Table, same: Sequence[str]) -> pa.Ta
 
 
 def _read(root: Path) -> dict[str, pa.Table]:
-    """The tables that were kept; none if one is missing, damaged, or of another version or time than the others."""
+    """The tables that were kept; none if one is missing, damaged, or of another format or time than the others."""
     found: dict[str, pa.Table] = {}
     try:
         for name in SCHEMAS:
@@ -134,7 +135,7 @@ def _read(root: Path) -> dict[str, pa.Table]:
     except (OSError, pa.ArrowException):
         return {}
     marks = {tuple(sorted((one.schema.metadata or {}).items())) for one in found.values()}
-    is_whole = len(marks) == 1 and dict(next(iter(marks))).get(_VERSION) == full_version().encode()
+    is_whole = len(marks) == 1 and dict(next(iter(marks))).get(b"format") == _FORMAT
     return found if is_whole else {}
 
 
@@ -143,7 +144,7 @@ def _write(index: Index) -> None:
     folder = index.root / INDEX
     # Tables of two processes that write at once do not go together.
     stamps = "\n".join(index.tables["folders"][STAMP].to_pylist())
-    mark = {_VERSION: full_version().encode(), b"folders": sha256(stamps.encode()).digest()}
+    mark = {b"format": _FORMAT, b"folders": sha256(stamps.encode()).digest()}
     try:
         folder.mkdir(exist_ok=True)
         for name, table in index.tables.items():

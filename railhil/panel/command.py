@@ -24,6 +24,7 @@ def arguments() -> argparse.ArgumentParser:
         prog="railhil panel",
         examples=[
             "railhil panel runs/mine",
+            "railhil panel runs",
             "railhil panel -i socketcan -c vcan0",
         ],
         description="A page in the browser, served on 127.0.0.1 only: the run on a bus, or recorded runs.",
@@ -34,7 +35,8 @@ def arguments() -> argparse.ArgumentParser:
         nargs="*",
         default=[],
         metavar="SCENARIO|RUN",
-        help="scenario that runs on the bus, if it is no shipped one (default: as the plant tells), or run folders",
+        help="scenario that runs on the bus, if it is no shipped one (default: as the plant tells), or run folders, or "
+        "a directory of them",
     )
     parser.add_argument(
         "--port",

@@ -29,7 +29,7 @@ RATE_HZ = 10.0
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 #: Of a report, which has its own script and asks for nothing.
-_REPORT_POLICY = (
+REPORT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
@@ -140,18 +140,22 @@ class PanelServer:
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while not ends():
-            pages = list(self._pages.values())
-            if not pages and not self.looks_alone:
+            if not self._pages and not self.looks_alone:
                 await asyncio.sleep(1.0 / RATE_HZ)
                 continue
-            for message in self._source.look():
-                self._tell(message, pages)
-            showing = [page for page in pages if page.shows_frames]
-            if showing and (text := self._source.list_frames()):
-                self._tell(text, showing)
+            self.tell_news()
             beside()
             due_s = max(due_s + 1.0 / RATE_HZ, loop.time())
             await asyncio.sleep(due_s - loop.time())
+
+    def tell_news(self) -> None:
+        """Read the source once, and send its news to the pages."""
+        pages = list(self._pages.values())
+        for message in self._source.look():
+            self._tell(message, pages)
+        showing = [page for page in pages if page.shows_frames]
+        if showing and (text := self._source.list_frames()):
+            self._tell(text, showing)
 
     @staticmethod
     def _tell(message: str | bytes, pages: Sequence[Page]) -> None:
@@ -180,12 +184,11 @@ class PanelServer:
 
     def _serve_report(self, connection: ServerConnection, request: Request, number: str) -> Response:
         """The report of a branch; not to a page that reaches this server under a foreign name."""
-        hosts = {origin.removeprefix("http://") for origin in self._origins}
         branches = self._source.branches
-        body = None if branches is None or request.headers.get("Host") not in hosts else branches.report(number)
+        body = None if branches is None or request.headers.get("Host") not in self._hosts else branches.report(number)
         if body is None:
             return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
-        return self._page(body, "text/html", _REPORT_POLICY)
+        return self._page(body, "text/html", REPORT_POLICY)
 
     @staticmethod
     def _page(body: bytes, kind: str, policy: str) -> Response:
@@ -206,6 +209,11 @@ class PanelServer:
     def _origins(self) -> set[str]:
         """The origins of the own pages."""
         return {f"http://{host}:{self.port}" for host in ("127.0.0.1", "localhost", "[::1]")}
+
+    @property
+    def _hosts(self) -> set[str]:
+        """Names under which this server is reached; a foreign name that leads here gets no report."""
+        return {origin.removeprefix("http://") for origin in self._origins}
 
     def _check_origin(self, connection: ServerConnection, request: Request) -> Response | None:
         """A foreign page must not talk to this server, under any name of this machine."""

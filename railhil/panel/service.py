@@ -17,8 +17,10 @@ from railhil.bus.select import arguments_from_config, choose_bus
 from railhil.cli.run_identity import RunIdentity, named_scenario
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import ending_signals
+from railhil.common.extras import need
 from railhil.common.output import Output
 from railhil.common.python_process import end_with_parent
+from railhil.index.find import has_runs_below
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LogFollower, Receiver
@@ -46,10 +48,7 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         if namespace.foxglove is not None:
             allowed = Sentence("cannot be given with run folders; railhil export --mcap makes a file of one")
             raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
-        from railhil.panel.recorded import RecordedRuns
-
-        runs = RecordedRuns(namespace.what, namespace.requirements)
-        panel = PanelServer(runs, secrets.token_urlsafe(16), namespace.port)
+        panel = _recorded_panel(namespace)
         return asyncio.run(_serve(panel, Output(stderr=True), _ENDED_BY))
     if len(namespace.what) > 1:
         raise InputError("command line", "SCENARIO", " ".join(namespace.what), "one scenario, or run folders")
@@ -78,6 +77,20 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     # A panel beside a run or in a container is ended by what has started it.
     ended_by = "" if namespace.child or namespace.socket else _ENDED_BY
     return asyncio.run(_serve(panel, Output(stderr=True), ended_by, bridge, operator))
+
+
+def _recorded_panel(namespace: argparse.Namespace) -> PanelServer:
+    """The page of run folders, or the index of a directory that has some below it. Raises InputError."""
+    token = secrets.token_urlsafe(16)
+    if len(namespace.what) == 1 and has_runs_below(Path(namespace.what[0])):
+        for module, extra in (("pyarrow", "index"), ("jinja2", "report")):
+            need(module, extra, command=f"railhil panel {namespace.what[0]}")
+        from railhil.panel.index_server import IndexServer
+
+        return IndexServer(Path(namespace.what[0]), namespace.requirements, token, namespace.port)
+    from railhil.panel.recorded import RecordedRuns
+
+    return PanelServer(RecordedRuns(namespace.what, namespace.requirements), token, namespace.port)
 
 
 def _named(text: str | None, namespace: argparse.Namespace) -> AnyScenario | None:

@@ -32,7 +32,7 @@ function readHash() {
 // ---- connection
 
 function connect() {
-  const socket = new WebSocket(`ws://${location.host}/ws`, "railhil.panel.v1");
+  const socket = new WebSocket(`ws://${location.host}${location.pathname}ws`, "railhil.panel.v1");
   socket.binaryType = "arraybuffer";
   page.socket = socket;
   socket.onopen = () => connected(true);
