@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Generator, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -137,15 +136,44 @@ def pytest_make_parametrize_id(val: object, argname: str) -> str | None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """:raises pytest.UsageError: a marker is used wrongly."""
+    """:raises pytest.UsageError: a marker is used wrongly, or the list of requirements cannot be read."""
+    listed = _listed(config)
     for item in items:
         for mark in item.iter_markers():
-            if problem := _misused(mark):
+            if problem := _misused(mark) or _unlisted(mark, listed):
                 line = f"{item.nodeid}: marker {mark.name}: {problem}"
                 if not hasattr(config, "workerinput"):
                     raise pytest.UsageError(line)
                 # The processes of xdist cannot end the session: there, the test is an error.
                 item.stash[_MISUSED] = line
+
+
+def _listed(config: pytest.Config) -> list[str]:
+    """The names of the list of requirements; none without a list.
+
+    :raises pytest.UsageError: it cannot be read.
+    """
+    path = config.stash[_SETTINGS].requirements
+    if path is None:
+        return []
+    from railhil.common.errors import InputError
+    from railhil.judge.requirements.lists import read_list
+
+    try:
+        return [one.id for one in read_list(path)]
+    except InputError as error:
+        raise pytest.UsageError(f"railhil: {error}") from None
+
+
+def _unlisted(mark: pytest.Mark, listed: list[str]) -> str:
+    """What is wrong with a name that the list does not have; empty: nothing."""
+    unknown = [name for name in mark.args if name not in listed] if listed and mark.name == "requirement" else []
+    if not unknown:
+        return ""
+    from railhil.common.errors import did_you_mean
+
+    hint = did_you_mean(unknown[0], listed)
+    return f"{unknown[0]} is not in the list of requirements" + (f" ({hint})" if hint else "")
 
 
 def _misused(mark: pytest.Mark) -> str:
@@ -235,11 +263,16 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
         if isinstance(report, pytest.TestReport)
     )
     found = requirements.requirements(reports)
+    settings = config.stash[_SETTINGS]
+    if settings.requirements is not None:
+        found = requirements.with_list(found, _listed(config))
     if not found:
         return
     terminalreporter.section("requirements (railhil)")
     for line in requirements.lines(found):
         terminalreporter.write_line(line)
-    runs: Path | None = config.stash[_SETTINGS].runs
-    if runs is not None:
-        terminalreporter.write_line(f"table: {requirements.write(found, runs)}")
+    if settings.runs is not None:
+        terminalreporter.write_line(f"table: {requirements.write(found, settings.runs)}")
+        if settings.requirements is not None:
+            copy = requirements.write_list(found, settings.requirements, settings.runs)
+            terminalreporter.write_line(f"list with results: {copy}")

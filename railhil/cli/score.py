@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 
 from railhil.cli.result_printer import print_requirements, print_scores, print_verdict, print_watch
+from railhil.common.digits import count_of
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
+from railhil.common.user_files import refuse_unwritable
+from railhil.common.version import full_version
 from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.record import Record, checked_record
 from railhil.record.documents import CERTIFICATE
+from railhil.record.framelog import log_sha256
 from railhil.report.facts import memory_sentence
 from railhil.scenarios.options import add_options
 from railhil.scenarios.settings import required
@@ -24,9 +30,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=[
             "railhil score runs/mine",
             "railhil score runs/mine --json",
+            "railhil score runs/mine --requirements train.reqif --results judged.reqif",
         ],
     )
     add_options(parser, "log", "--scenario", "--requirements")
+    parser.add_argument(
+        "--results", metavar="PATH", help="write a copy of the list in ReqIF or of StrictDoc with the outcomes"
+    )
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
@@ -54,6 +64,29 @@ def further_required(record: Record, words: Sequence[str], scenario: str = "") -
     return record.copy_with(score=with_requirements(record, further))
 
 
+def _write_results(record: Record, words: Sequence[str], invalid: str, out: str) -> None:
+    """Write the outcomes into a copy of the only list among files of requirements.
+
+    :param invalid: why the run was not judged; empty: it was.
+    :raises InputError: there is not exactly one list.
+    """
+    from railhil.judge.requirements.lists import Result, is_list, result_of, write_results
+    from railhil.judge.requirements.outcome import NOT_JUDGED
+
+    lists = [Path(word) for word in words if is_list(word)]
+    if len(lists) != 1:
+        allowed = "--requirements with one list, in ReqIF or of StrictDoc"
+        raise InputError("command line", "--results", Words(count_of(len(lists), "list")), allowed)
+    frames = record.frames_sha256 or log_sha256(record.log)
+    run = f"{record.title}, verdict {record.verdict}, frames.log sha256 {frames}, railhil {full_version()}"
+    results = {
+        one.id: Result(NOT_JUDGED, f"{invalid}, {run}") if invalid else result_of(one, run)
+        for one in record.score.requirements
+    }
+    with refuse_unwritable("--results", Path(out), "file"):
+        write_results(lists[0], results, Path(out))
+
+
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
@@ -66,6 +99,8 @@ def work(namespace: argparse.Namespace) -> int:
         # The reason why the run was INVALID (its timing, a killed node) need not be visible in the log.
         own = (line,) if verdict == "INVALID" else ()
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
+    if namespace.results is not None:
+        _write_results(record, namespace.requirements, line if verdict == "INVALID" else "", namespace.results)
     if namespace.json:
         beside = {"watch_weakened": record.scenario.watch_weakened, "memory": record.certificate.get("memory")}
         beside |= {"notes": list(record.notes), "why": reason, "events": summary(record.scenario, events)}

@@ -112,7 +112,8 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     },
     "--requirements": {
         "type": _requirements, "action": "append", "default": [], "metavar": "FILE",
-        "help": "sentences that judge the run: a TOML file, or the name of a system that ships one; may be given again",
+        "help": "sentences that judge the run: a TOML file, a list in ReqIF or of StrictDoc, or the name of a system "
+        "that ships one; may be given again",
     },
     "--no-return": {
         "action": "store_true", "help": "the last instant at which ending all faults still saves a run that fails",

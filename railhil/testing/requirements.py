@@ -13,7 +13,7 @@ from pathlib import Path
 PROPERTY = "requirement"
 #: Name of the table in the folder of the session's runs.
 FILE_NAME = "requirements.csv"
-FAILED, PASSED, NOT_SHOWN = "FAILED", "PASSED", "NOT SHOWN"
+FAILED, PASSED, NOT_SHOWN, NO_TEST = "FAILED", "PASSED", "NOT SHOWN", "NO TEST"
 #: Outcomes of pytest, and of a test that fails only because no run has shown its sentence -> result of a requirement;
 #: the worst comes first.
 SAYS: Mapping[str, str] = {
@@ -43,9 +43,16 @@ class Requirement:
 
     @property
     def verdict(self) -> str:
-        """FAILED if one of its tests failed, PASSED if one passed and none failed, else NOT SHOWN."""
+        """FAILED if one of its tests failed, PASSED if one passed and none failed, else NOT SHOWN; NO TEST without
+        one."""
         said = {SAYS[outcome] for outcome in self.tests.values()}
-        return next(verdict for verdict in _ORDER if verdict in said)
+        return next((verdict for verdict in _ORDER if verdict in said), NO_TEST)
+
+    @property
+    def counted(self) -> str:
+        """How many of its tests passed, in words."""
+        passed = sum(outcome == "passed" for outcome in self.tests.values())
+        return f"{passed} of {len(self.tests)} tests passed" if self.tests else "no test names it"
 
 
 def requirements(reports: Iterable[tuple[str, str, Sequence[tuple[str, object]]]]) -> list[Requirement]:
@@ -83,13 +90,36 @@ def folder_name(test: str) -> str:
     return re.sub(r"[^\w.@=+-]+", "_", f"{Path(file).stem}.{rest.replace('::', '.')}").strip("_")[:120] or "run"
 
 
+def with_list(found: Sequence[Requirement], names: Iterable[str]) -> list[Requirement]:
+    """The requirements of a list in its order, those without a test, too."""
+    known = {one.name: one for one in found}
+    return [known.get(name, Requirement(name)) for name in names]
+
+
+def write_list(found: Sequence[Requirement], source: Path, folder: Path) -> Path:
+    """Write a copy of a list with the results; returns its path.
+
+    :raises InputError: the list cannot be read.
+    """
+    from railhil.common.version import full_version
+    from railhil.judge.requirements.lists import Result, write_results
+
+    out = folder / f"{source.stem}_results{source.suffix}"
+    results = {}
+    for one in found:
+        tests = "; ".join(f"{test}: {outcome}" for test, outcome in one.tests.items())
+        said = ": ".join(filter(None, (one.counted, tests)))
+        results[one.name] = Result(one.verdict, f"{said}, railhil {full_version()}")
+    write_results(source, results, out)
+    return out
+
+
 def lines(found: Sequence[Requirement]) -> list[str]:
     """One line for each requirement, then its tests that have not passed."""
     width = max(len(one.name) for one in found)
     said = []
     for one in found:
-        passed = sum(outcome == "passed" for outcome in one.tests.values())
-        said.append(f"{one.name:{width}}  {one.verdict:9}  {passed} of {len(one.tests)} tests passed")
+        said.append(f"{one.name:{width}}  {one.verdict:9}  {one.counted}")
         said += [f"{'':{width}}  {outcome}: {test}" for test, outcome in one.tests.items() if outcome != "passed"]
     return said
 

@@ -20,6 +20,8 @@ OPTIONS: Mapping[str, str] = {
     "only the certificates)",
     "pace": "lockstep (default) or realtime",
     "target": "emulated board on which the laws of the tests run, exported, such as qemu:cortex-m4f",
+    "requirements": "list in ReqIF or of StrictDoc: each marker names one of it, its requirements without a test are "
+    "told, and --railhil-runs gets a copy with the results",
     "no-controller": "the controller is a board or another program on the bus",
 }
 FLAG = "no-controller"
@@ -31,7 +33,8 @@ _TRUE, _FALSE = ("1", "true", "yes", "on"), ("", "0", "false", "no", "off")
 
 @dataclass(frozen=True)
 class Settings:
-    """``runs``: None for pytest's temporary folder. ``target``: empty for laws in Python."""
+    """``runs``: None for pytest's temporary folder. ``target``: empty for laws in Python. ``requirements``: None: no
+    list."""
 
     bus: str = "local"
     seeds: tuple[int, ...] = (0,)
@@ -39,6 +42,7 @@ class Settings:
     pace: str = "lockstep"
     no_controller: bool = False
     target: str = ""
+    requirements: Path | None = None
 
     @property
     def interface(self) -> str:
@@ -51,7 +55,7 @@ def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Sett
 
     :param given: name of an option -> its text and the user's name for it; the text is empty if the option was not
         given.
-    :param folder: folder to which ``runs`` is relative.
+    :param folder: folder to which ``runs`` and ``requirements`` are relative.
     :raises ValueError: a setting is not allowed; one line.
     """
     said = {name: given(name) for name in OPTIONS}
@@ -83,4 +87,7 @@ def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Sett
         raise refused("target", "qemu:BOARD, such as qemu:cortex-m4f")
     if target and flag in _TRUE:
         raise refused("target", f"nothing beside --railhil-{FLAG}")
-    return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE, target)
+    listed = said["requirements"][0]
+    return Settings(
+        bus, seeds, folder / runs if runs else None, pace, flag in _TRUE, target, folder / listed if listed else None
+    )  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from railhil.common.errors import InputError, Sentence, Words, did_you_mean
 from railhil.common.user_files import given_text, refuse_unreadable
+from railhil.judge.requirements.lists import SAYS, is_list, read_list
 from railhil.judge.requirements.names import Names
 from railhil.judge.requirements.parser import parse_definition, parse_sentence
 from railhil.judge.requirements.sentence import BoundSentence
@@ -173,7 +174,8 @@ def _check_definition(name: str, text: str, file: str | Path) -> None:
 
 
 def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
-    """The requirements of a file, or those that ship with an installed system.
+    """The requirements of a file, or those that ship with an installed system; of a list of another tool
+    (:mod:`railhil.judge.requirements.lists`) those with a sentence.
 
     :param word: path of the file, or name of the system.
     :raises InputError: there is no such file, it is damaged, it has no requirement, or a sentence is wrong: one line
@@ -186,6 +188,13 @@ def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
     elif not path.exists():
         hint = did_you_mean(str(word), system_names())
         raise InputError(path, "", Words("does not exist"), "a file of requirements, or the name of a system", hint)
+    if is_list(path):
+        rows = [{"id": one.id, "says": one.says, "title": one.title} for one in read_list(path) if one.says]
+        if not rows:
+            raise InputError(
+                path, SAYS, Words("is missing"), "a sentence in this attribute of at least one requirement"
+            )
+        return requirements_in({"requirement": rows}, name)
     with refuse_unreadable(path, "a TOML file of requirements"):
         tables = parse_toml(given_text(path))
     found = requirements_in(tables, name)

@@ -1,0 +1,160 @@
+"""Lists of requirements in ReqIF and of StrictDoc: what is read, and the results in a copy that other tools read."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.requirement_lists import attribute, reqif_text
+from railhil.common.errors import InputError
+from railhil.judge.requirements.lists import EVIDENCE, VERDICT, Listed, Result, read_list, write_results
+from railhil.judge.requirements.requirement import read_requirements
+
+ROWS = [
+    ("ATO-5", "No traction <xhtml:b>without</xhtml:b> a speed.", "never true_speed &lt; 0 km/h"),
+    ("ATO-12", "It stops within 0.3 m &amp; stays.", ""),
+]
+SDOC = """\
+[DOCUMENT]
+TITLE: Train
+
+[GRAMMAR]
+ELEMENTS:
+- TAG: REQUIREMENT
+  FIELDS:
+  - TITLE: UID
+    TYPE: String
+    REQUIRED: True
+  - TITLE: TITLE
+    TYPE: String
+    REQUIRED: False
+  - TITLE: RAILHIL_SAYS
+    TYPE: String
+    REQUIRED: False
+  - TITLE: STATEMENT
+    TYPE: String
+    REQUIRED: True
+
+[REQUIREMENT]
+UID: ATO-5
+TITLE: Speed
+RAILHIL_SAYS: never true_speed < 0 km/h
+STATEMENT: >>>
+No traction
+without a speed.
+<<<
+
+[REQUIREMENT]
+UID: ATO-12
+STATEMENT: It stops within 0.3 m.
+"""
+
+
+@pytest.fixture
+def reqif(tmp_path: Path) -> Path:
+    path = tmp_path / "train.ReqIF"
+    path.write_text(reqif_text(ROWS), encoding="utf-8")
+    return path
+
+
+def test_a_requirement_of_a_reqif_has_an_id_and_a_text(reqif: Path) -> None:
+    assert read_list(reqif) == (
+        Listed("ATO-5", "No traction without a speed.", "", "never true_speed < 0 km/h"),
+        Listed("ATO-12", "It stops within 0.3 m & stays."),
+    )
+
+
+def test_the_sentences_of_a_list_are_requirements(reqif: Path) -> None:
+    (found,) = read_requirements(reqif)
+    assert (found.id, found.says, found.file) == ("ATO-5", "never true_speed < 0 km/h", str(reqif))
+
+
+def _valid(path: Path) -> None:
+    command = [sys.executable, "-m", "reqif.cli.main", "validate", "--use-reqif-schema", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert "0 errors, 0 schema issues found, 0 semantic issues found" in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_results_are_attributes_of_a_copy_that_keeps_all_else(reqif: Path, tmp_path: Path) -> None:
+    _valid(reqif)
+    first, second = tmp_path / "first.reqif", tmp_path / "second.reqif"
+    write_results(reqif, {"ATO-5": Result("PASSED", 'a < b & "c"')}, first)
+    _valid(first)
+    assert attribute(first, "ATO-5", VERDICT) == "PASSED"
+    assert attribute(first, "ATO-5", EVIDENCE) == 'a < b & "c"'
+    assert attribute(first, "ATO-12", VERDICT) == ""
+    assert read_list(first) == read_list(reqif)
+    # Those of an earlier copy are replaced, or taken out; nothing is declared twice.
+    write_results(first, {"ATO-12": Result("FAILED", "x")}, second)
+    _valid(second)
+    assert (attribute(second, "ATO-5", VERDICT), attribute(second, "ATO-12", VERDICT)) == ("", "FAILED")
+    assert second.read_text().count(f'LONG-NAME="{VERDICT}"') == 1
+    for text in ('THE-VALUE="Stops"', "<xhtml:b>without</xhtml:b>", "<SPEC-OBJECT-REF>o-ATO-12</SPEC-OBJECT-REF>"):
+        assert second.read_text().count(text) == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "train.reqif: cannot be read, expected a ReqIF file"),
+        ("<REQ-IF>", "train.reqif: cannot be read, expected a ReqIF file"),
+        ("<html/>", "train.reqif: (cannot be read|has no requirement)"),
+        (reqif_text([]), "train.reqif: has no requirement, expected at least one with an id and a text"),
+        (reqif_text([*ROWS, ROWS[0]]), "train.reqif: id: found 'ATO-5', allowed an id that no other requirement has"),
+    ],
+)
+def test_what_is_no_list_is_one_line(tmp_path: Path, content: str, message: str) -> None:
+    path = tmp_path / "train.reqif"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as caught:
+        read_list(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_list_without_a_sentence_judges_no_run(tmp_path: Path) -> None:
+    path = tmp_path / "train.reqif"
+    path.write_text(reqif_text(ROWS[1:]), encoding="utf-8")
+    with pytest.raises(InputError, match="RAILHIL_SAYS: is missing, expected a sentence in this attribute"):
+        read_requirements(path)
+
+
+def test_a_wrong_sentence_of_a_list_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "train.reqif"
+    path.write_text(reqif_text([("ATO-5", "No.", "nevr fault")]), encoding="utf-8")
+    with pytest.raises(InputError, match=r'train\.reqif: requirement ATO-5: "nevr"'):
+        read_requirements(path)
+
+
+@pytest.mark.slow
+def test_a_list_of_strictdoc_is_read_and_written(tmp_path: Path) -> None:
+    pytest.importorskip("strictdoc", reason="StrictDoc brings 50 packages: no extra has it")
+    path, first, second = tmp_path / "train.sdoc", tmp_path / "first.sdoc", tmp_path / "second.sdoc"
+    path.write_text(SDOC)
+    assert read_list(path) == (
+        Listed("ATO-5", "No traction without a speed.", "Speed", "never true_speed < 0 km/h"),
+        Listed("ATO-12", "It stops within 0.3 m."),
+    )
+    write_results(path, {"ATO-5": Result("PASSED", "by a test")}, first)
+    assert read_list(first) == read_list(path)
+    # StrictDoc writes its own element TEXT into each grammar.
+    added = [line for line in first.read_text().splitlines() if line not in SDOC.splitlines() and "TEXT" not in line]
+    fields = ["  - TITLE: RAILHIL_VERDICT", "  - TITLE: RAILHIL_EVIDENCE"]
+    assert added == [*fields, "RAILHIL_VERDICT: PASSED", "RAILHIL_EVIDENCE: by a test"]
+    write_results(first, {"ATO-12": Result("FAILED", "x")}, second)
+    assert "PASSED" not in second.read_text()
+    assert "UID: ATO-12\nRAILHIL_VERDICT: FAILED\nRAILHIL_EVIDENCE: x\n" in second.read_text()
+    path.write_text("[DOCUMENT]\nnothing\n")
+    with pytest.raises(InputError, match=r"train\.sdoc: cannot be read, expected a StrictDoc file"):
+        read_list(path)
+
+
+def test_strictdoc_is_asked_for_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "strictdoc.backend.sdoc.reader", None)
+    path = tmp_path / "train.sdoc"
+    path.write_text(SDOC)
+    with pytest.raises(InputError, match=r"needs StrictDoc .*; install it with pip install strictdoc"):
+        read_list(path)
