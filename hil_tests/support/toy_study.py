@@ -108,8 +108,7 @@ TOY: Study[Plan, Chunk] = Study(
     explained=lambda plan: machine_and_list(),
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
-    report=lambda plan, made: "",
-    show=lambda console, plan, made, line: console.say(f"sum {made.summary['sum']:g}"),
+    lines=lambda plan, summary, folder: [f"sum {summary['sum']:g}"],
 )
 
 

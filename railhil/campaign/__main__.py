@@ -7,24 +7,16 @@ import sys
 
 from railhil.campaign.plan import Plan, Request
 from railhil.common.command_line import OneLineParser, accept_former_name
-from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
-from railhil.study.command import Command, add_folder_arguments, add_number, exit_codes
-from railhil.study.engines import ENGINES
+from railhil.study.command import Command, add_engine_arguments, add_folder_arguments, add_number, exit_codes
 from railhil.study.perturbed_runs import how_made
 
-#: Names of engines in earlier versions.
-_FORMER_ENGINES = {"joblib": "processes"}
 _VERIFIED_RUNS = 3
 
 
 def _law_list(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
-
-
-def _engine(text: str) -> str:
-    return _FORMER_ENGINES.get(text, text)
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -51,20 +43,10 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--parameters", "; may be given again, for another law", action="append")
     add_option(parser, "--both")
     add_option(parser, "--allow-training-seeds", "; every table then says so")
-    parser.add_argument(
-        "--engine", type=_engine, choices=ENGINES, default="batch", help="this process, cores, machines"
-    )
-    add_option(parser, "--jobs", ", with --engine processes")
+    add_engine_arguments(parser, "batch")
     add_number(parser, Request, "chunk")
     add_folder_arguments(parser, "campaign", with_report=False)
     return parser
-
-
-def _check_engine(namespace: argparse.Namespace) -> None:
-    if namespace.jobs is not None and namespace.engine != "processes":
-        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine processes"))
-    if namespace.scheduler is not None and namespace.engine != "dask":
-        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
 
 
 COMMAND: Command[Plan] = Command(
@@ -73,9 +55,6 @@ COMMAND: Command[Plan] = Command(
     Request,
     arguments,
     verified=("runs", _VERIFIED_RUNS),
-    only_run=("json",),
-    check=_check_engine,
-    engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: how_made(plan.scenario, [entry.law for entry in plan.entries]),
     code="laws",
 )

@@ -22,12 +22,11 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_free_draws, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
-from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+from railhil.study.plan import law_sha256, origin_of, sha256_of_json
 
 #: Stands for every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
@@ -165,14 +164,7 @@ class Plan:
     @property
     def subject(self) -> dict[str, Any]:
         """Everything that determines the figures of every single run."""
-        return {
-            "scenario": self.scenario.name,
-            "scenario_sha256": any_judged_sha256(self.scenario),
-            **self.how,
-            "code_sha256": bench_sha256(),
-            "batch_sha256": batch_sha256(),
-            "system_sha256": self.scenario.installed_system.code_sha256(),
-        }
+        return origin_of(self.scenario) | self.how
 
     @property
     def results_origin(self) -> str:

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
+from railhil.campaign.plan import Plan
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.charts.figure import Figure
 from railhil.charts.notebook import html_cell, html_figure, html_paragraph, html_table
 from railhil.common.digits import count_of, percent, text_beside_limit
-from railhil.common.output import Output, titled_table
+from railhil.common.output import styled, titled_table
 from railhil.judge.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 from railhil.judge.judging import Judging, Noted
 
@@ -198,21 +200,20 @@ def cell_html(summary: Mapping[str, Any], judging: Judging, figure: Figure, fold
     return html_cell(*found, html_figure(figure), html_paragraph(str(folder)))
 
 
-def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
-    """Print all tables, then the worst runs with the commands that repeat them on the bench."""
-    console.say(headline(summary))
+def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str | Text | Table]:
+    """All tables, then the worst runs with the commands that repeat them on the bench."""
+    judging = plan.judging
+    yield headline(summary)
     for made in tables(summary, judging):
         for warning in summary["warnings"]:
-            console.say(warning, style="bold red")
-        console.print(made)
-        console.say("")
+            yield styled(warning, "bold red")
+        yield made
+        yield ""
     if any(law.get("not_stopped") for law in summary["laws"].values()):
-        console.say("A run that did not stop counts as infinitely bad in the quantiles of scores that it lacks.")
-    for sentence in _failures(summary):
-        console.say(sentence)
-    console.say("Worst runs, and the command that makes each again on the bench", style="bold")
+        yield "A run that did not stop counts as infinitely bad in the quantiles of scores that it lacks."
+    yield from _failures(summary)
+    yield styled("Worst runs, and the command that makes each again on the bench", "bold")
     for label, law in summary["laws"].items():
         for run in law["worst"]:
-            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, summary, judging)}")
-            console.say(f"  {run['command']}", style="dim")
-    console.say(f"campaign folder {folder}")
+            yield f"{label}: {', '.join(run['why'])}: {_errors(run, summary, judging)}"
+            yield styled(f"  {run['command']}", "dim")

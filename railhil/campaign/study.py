@@ -15,7 +15,7 @@ import pyarrow as pa
 from railhil.batch.nodes import DIGITS
 from railhil.campaign.plan import Chunk, Plan, Request, make_plan
 from railhil.campaign.rows import check_rows, schema, signed_columns, table_of
-from railhil.campaign.show import show
+from railhil.campaign.show import lines
 from railhil.campaign.summary import summary
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
@@ -25,7 +25,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
 from railhil.study.manifest import machine_and_list
 from railhil.study.perturbed_runs import run_seeds
-from railhil.study.plan import Study, batch_sha256, bench_sha256, controller_sha256
+from railhil.study.plan import Study, code_of
 from railhil.study.table import row
 
 _LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
@@ -40,7 +40,7 @@ class ChunkWork:
     training: tuple[int, ...]
 
     def code(self) -> tuple[str, ...]:
-        return bench_sha256(), batch_sha256(), controller_sha256(self.chunk.entry.law, self.scenario.system)
+        return code_of(self.chunk.entry.law, self.scenario.system)
 
     def rows(self) -> pa.Table:
         entry = self.chunk.entry
@@ -118,7 +118,5 @@ CAMPAIGN: Study[Plan, Chunk] = Study(
     explained=_explained,
     items=lambda plan: plan.request.runs * len(plan.entries),
     repeat=_repeat,
-    # `railhil report DIR` writes it.
-    report=lambda plan, made: "",
-    show=lambda console, plan, made, line: show(console, made.summary, made.folder, plan.judging),
+    lines=lines,
 )

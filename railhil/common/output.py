@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 from typing import Any
@@ -56,6 +56,16 @@ class Output(Console):
     def say(self, text: str, style: str | None = None) -> None:
         """Print one line of any length."""
         self.print(text, style=style, soft_wrap=True)
+
+    def show(self, results: Iterable[str | Text | Table]) -> None:
+        """Print lines of any length, and tables."""
+        for one in results:
+            self.print(one, soft_wrap=not isinstance(one, Table))
+
+
+def styled(text: str, style: str) -> Text:
+    """A line with a style, for :meth:`Output.show`."""
+    return Text(escape_controls(text), style)
 
 
 class WholeTable(Table):

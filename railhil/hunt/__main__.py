@@ -12,20 +12,11 @@ from railhil.common.exit_codes import run_guarded
 from railhil.hunt.cases import STRATEGIES
 from railhil.hunt.plan import DESCENT, RUNS_MAX, Plan, Request
 from railhil.scenarios.options import OR_YOURS, add_option, add_options
-from railhil.study.command import Command, add_folder_arguments, add_number
-from railhil.study.engines import ENGINES
+from railhil.study.command import Command, add_engine_arguments, add_folder_arguments, add_number, exit_codes
 
 _VERIFIED_RUNS = 3
 _TIME = re.compile(r"(\d+(?:\.\d+)?)(s|min|h)", re.ASCII)
 _UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
-_EXIT_CODES = """\
-exit codes:
-  0    no violation was found (this is not absence); --verify: the bench gives the same results
-  1    a requirement is violated; --verify: the bench gives other results
-  2    usage or bad input; one line says what was found and what is allowed
-  3    more than half of the runs could not be judged, or workers were lost too often; what is done is kept
-  4    a defect of the bench: an exception in a run is a finding of its own, or a least case is not repeated by its file
-  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -42,7 +33,13 @@ def arguments() -> argparse.ArgumentParser:
             "railhil hunt --verify runs/hunt --runs 3",
         ],
         description="Search for disturbances that violate a requirement, and shrink them to the least ones.",
-        epilog=_EXIT_CODES,
+        epilog=exit_codes(
+            "more than half of the runs could not be judged, or workers were lost too often",
+            "no violation was found (this is not absence)",
+            "a requirement is violated",
+            "a defect of the bench: an exception in a run is a finding of its own, or a least case is not repeated by "
+            "its file",
+        ),
     )
     add_option(parser, "scenario", default=None)
     add_options(parser, "--set")
@@ -65,8 +62,7 @@ def arguments() -> argparse.ArgumentParser:
     note = "state the tightest bound of each kept requirement that held in all runs, and write these sentences"
     parser.add_argument("--tighten", action="store_true", help=note)
     parser.add_argument("--no-shrink", action="store_true", help="keep the cases as they were found")
-    parser.add_argument("--engine", choices=ENGINES, default="processes", help="this process, cores, machines")
-    add_option(parser, "--jobs")
+    add_engine_arguments(parser)
     add_folder_arguments(parser, "hunt", with_report=True)
     return parser
 
@@ -85,10 +81,6 @@ def _check(namespace: argparse.Namespace) -> None:
         if namespace.runs is None and namespace.resume is None and namespace.verify is None:
             # It ends by time.
             namespace.runs = RUNS_MAX
-    if namespace.jobs is not None and namespace.engine != "processes":
-        raise InputError("command line", "--jobs", namespace.jobs, Sentence("used only with --engine processes"))
-    if namespace.scheduler is not None and namespace.engine != "dask":
-        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("used only with --engine dask"))
 
 
 COMMAND: Command[Plan] = Command(
@@ -99,7 +91,6 @@ COMMAND: Command[Plan] = Command(
     verified=("runs", _VERIFIED_RUNS),
     only_run=("json", "time"),
     check=_check,
-    engine=lambda namespace: (namespace.engine, namespace.jobs),
     how=lambda plan: ("", None),
     code="controller",
     time_s=lambda namespace: namespace.time,

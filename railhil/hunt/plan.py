@@ -36,11 +36,10 @@ from railhil.scenarios.given import (
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import System
 from railhil.study.faultless import can_inject_in, faultless_run
 from railhil.study.manifest import one_of
-from railhil.study.plan import batch_sha256, bench_sha256, controller_sha256, sha256_of_json
+from railhil.study.plan import origin_of, sha256_of_json
 
 RUNS_MAX = 1_000_000
 #: Runs of a part: what a process does at a time, and what is lost when it is killed.
@@ -48,7 +47,7 @@ PART_RUNS = 8
 #: The strategy that makes the margin of a requirement smaller over the draws of its runs.
 DESCENT = "descent"
 #: Code, beyond the bench's own, on which the rows depend.
-_OWN_CODE = ("hunt", "study/faultless.py", "study/descent.py")
+OWN_CODE = ("hunt", "study/faultless.py", "study/descent.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,8 +156,7 @@ class Plan:
         """Everything that determines a row."""
         law = self.base.law
         return {
-            "scenario": self.scenario.name,
-            "scenario_sha256": any_judged_sha256(self.scenario),
+            **origin_of(self.scenario, OWN_CODE, law),
             "law": law.controller,
             **law.how,
             **({} if law.given is None else {"label": law.label, **identity_of(law.given)}),
@@ -166,10 +164,6 @@ class Plan:
             "strategy": self.request.strategy,
             "bounds": self.bounds.as_json(),
             "requirements": [one.as_json() for one in self.requirements],
-            "law_sha256": controller_sha256(law, self.scenario.system),
-            "code_sha256": bench_sha256(),
-            "batch_sha256": batch_sha256(*_OWN_CODE),
-            "system_sha256": self.scenario.installed_system.code_sha256(),
         }
 
     @property
@@ -187,11 +181,6 @@ class Plan:
             "no_shrink": asked.no_shrink,
             "all": asked.all,
         }
-
-    @property
-    def own_code(self) -> tuple[str, ...]:
-        """Code, beyond the bench's own, on which the rows depend."""
-        return _OWN_CODE
 
 
 def make_plan(request: Request, code: Mapping[str, GivenController] | None = None) -> Plan:

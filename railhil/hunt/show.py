@@ -14,23 +14,9 @@ from railhil.hunt.oracle import BENCH
 from railhil.judge.requirements.sentence import SILENT
 
 if TYPE_CHECKING:
-    from railhil.common.output import Output
     from railhil.hunt.plan import Plan
-    from railhil.study.execute import Outcome
 
 _DIGEST = 12
-
-
-def show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
-    """Print the result of a finished hunt.
-
-    :param line: on its page; empty: none was asked for.
-    """
-    for text in lines(plan, made.summary, made.folder):
-        console.say(text)
-    if line:
-        console.say(line)
-    console.say(f"hunt folder {made.folder}")
 
 
 def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]:

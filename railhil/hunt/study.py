@@ -17,13 +17,12 @@ from railhil.hunt.cases import HuntCase
 from railhil.hunt.draws import Draws, descend_rows, with_draws
 from railhil.hunt.found import FOUND, read_found, shrink_violations
 from railhil.hunt.oracle import BENCH, run_case
-from railhil.hunt.plan import DESCENT, Chunk, Plan, Request, cut, make_plan
-from railhil.hunt.show import show
+from railhil.hunt.plan import DESCENT, OWN_CODE, Chunk, Plan, Request, cut, make_plan
+from railhil.hunt.show import lines
 from railhil.hunt.tighten import read_tight, tighten
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import SILENT
-from railhil.run.report import say_report
 from railhil.scenarios.given import KEY, RecordedController, is_law_name
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
@@ -31,7 +30,7 @@ from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list, read_manifest
-from railhil.study.plan import Study, batch_sha256, bench_sha256, controller_sha256
+from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
 _TEXTS = pa.list_(pa.string())
@@ -102,11 +101,10 @@ class ChunkWork:
     base: RunSpec
     requirements: tuple[Requirement, ...]
     system: str
-    own_code: tuple[str, ...]
     cases: tuple[HuntCase, ...]
 
     def code(self) -> tuple[str, ...]:
-        return bench_sha256(), batch_sha256(*self.own_code), controller_sha256(self.base.law, self.system)
+        return code_of(self.base.law, self.system, OWN_CODE)
 
     def rows(self) -> pa.Table:
         rows = [case_row(self.base, self.requirements, case) for case in self.cases]
@@ -135,9 +133,9 @@ def _work(plan: Plan, chunk: Chunk) -> ChunkWork:
     if plan.request.strategy == DESCENT:
         # One noise for all runs: the margin is then a function of the draws.
         cases = tuple(HuntCase(number, DESCENT, 0, ()) for number in chunk.numbers)
-        given = plan.base, plan.requirements, plan.scenario.system, plan.own_code, cases
+        given = plan.base, plan.requirements, plan.scenario.system, cases
         return DescentWork(*given, plan.aim(chunk), plan.request.seed, plan.drawn)
-    return ChunkWork(plan.base, plan.requirements, plan.scenario.system, plan.own_code, plan.cases(chunk.numbers))
+    return ChunkWork(plan.base, plan.requirements, plan.scenario.system, plan.cases(chunk.numbers))
 
 
 def _check_rows(table: pa.Table, plan: Plan, chunk: Chunk) -> None:
@@ -245,15 +243,10 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return INVALID if 2 * made.summary["valid"] < made.summary["runs"] else PASS
 
 
-def _report(plan: Plan, made: Outcome) -> str:
-    """Write the page; returns a line on it."""
+def _page(plan: Plan, made: Outcome, path: Path) -> None:
+    from railhil.hunt.report import write_page
 
-    def write(path: Path) -> None:
-        from railhil.hunt.report import write_page
-
-        write_page(plan, made.summary, made.folder, path)
-
-    return say_report(made.folder, write)
+    write_page(plan, made.summary, made.folder, path)
 
 
 def _explained(plan: Plan) -> Mapping[str, Any]:
@@ -273,8 +266,8 @@ HUNT: Study[Plan, Chunk] = Study(
     explained=_explained,
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
-    report=_report,
-    show=show,
+    page=_page,
+    lines=lines,
     finish=finish,
     exit_code=exit_code,
     cut=cut,

@@ -28,10 +28,9 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_free_draws, require_perturbations
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import how_made
-from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+from railhil.study.plan import origin_of, sha256_of_json
 
 RUNS_MAX = 100_000_000
 #: Runs of a part of the brute force, and of one whose runs go through the nodes (chosen: about a minute).
@@ -48,7 +47,7 @@ _SAID = "SAID"
 #: Random numbers of the pilot; the repetitions have their numbers from 0 on.
 _PILOT_STREAM, _REPETITION_STREAM = 0, 1
 #: Code, beyond the bench's own, on which the rows depend.
-_OWN_CODE = ("probability",)
+OWN_CODE = ("probability",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,8 +192,7 @@ class Plan:
         law = self.bench.base.law
         asked = self.request
         return {
-            "scenario": self.scenario.name,
-            "scenario_sha256": any_judged_sha256(self.scenario),
+            **origin_of(self.scenario, OWN_CODE, law),
             "law": law.label,
             **law.how,
             "parameters_sha256": None if law.parameters is None else law.parameters.sha256,
@@ -203,10 +201,6 @@ class Plan:
             "points": asked.points,
             "method": asked.method,
             "accuracy": asked.accuracy,
-            "law_sha256": law_sha256(law.controller, self.scenario.system),
-            "code_sha256": bench_sha256(),
-            "batch_sha256": batch_sha256(*_OWN_CODE),
-            "system_sha256": self.scenario.installed_system.code_sha256(),
         }
 
     @property
@@ -219,11 +213,6 @@ class Plan:
         """The values that must be unchanged when the study is resumed."""
         # With more runs it goes on; the bound of a judgement may change.
         return self.subject
-
-    @property
-    def own_code(self) -> tuple[str, ...]:
-        """Code, beyond the bench's own, on which the rows depend."""
-        return _OWN_CODE
 
     def grown(self, repetitions: int) -> Plan:
         """The same with another number of repetitions; what the pilot has found is kept."""

@@ -11,25 +11,11 @@ from railhil.common.digits import count_of
 from railhil.probability.plan import LEAST
 
 if TYPE_CHECKING:
-    from railhil.common.output import Output
     from railhil.probability.plan import Plan
-    from railhil.study.execute import Outcome
 
 #: Causes with a smaller share are not named.
 _CAUSE_MIN = 0.01
 _CAUSES_MAX = 6
-
-
-def show(console: Output, plan: Plan, made: Outcome, line: str) -> None:
-    """Print the result of a finished study.
-
-    :param line: on its page; empty: none was asked for.
-    """
-    for text in lines(plan, made.summary, made.folder):
-        console.say(text)
-    if line:
-        console.say(line)
-    console.say(f"probability folder {made.folder}")
 
 
 def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]:

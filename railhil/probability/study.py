@@ -18,17 +18,16 @@ from railhil.probability.causes import Sums, noise_share
 from railhil.probability.interval import Probability, from_count, from_repetitions, repetitions_for, runs_for
 from railhil.probability.least import with_least
 from railhil.probability.limit_state import LimitState
-from railhil.probability.plan import BRUTE, SUBSET, Chunk, Design, Plan, Request, make_plan
+from railhil.probability.plan import BRUTE, OWN_CODE, SUBSET, Chunk, Design, Plan, Request, make_plan
 from railhil.probability.sampling import Estimate, Floats, Points, draw_points, estimate_side
-from railhil.probability.show import show
-from railhil.run.report import say_report
+from railhil.probability.show import lines
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome, execute
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
 from railhil.study.parts import SUMMARY
-from railhil.study.plan import Study, batch_sha256, bench_sha256, law_sha256
+from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
 _NUMBERS = pa.list_(pa.float64())
@@ -68,9 +67,7 @@ class ChunkWork:
     index: int
 
     def code(self) -> tuple[str, ...]:
-        plan = self.plan
-        law = plan.bench.base.law.controller
-        return bench_sha256(), batch_sha256(*plan.own_code), law_sha256(law, plan.scenario.system)
+        return code_of(self.plan.bench.base.law, self.plan.scenario.system, OWN_CODE)
 
     def rows(self) -> pa.Table:
         plan, state = self.plan, LimitState(self.plan.bench, self.plan.scenario)
@@ -263,15 +260,10 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return PASS if made.summary["is_resolved"] and is_decided else INVALID
 
 
-def _report(plan: Plan, made: Outcome) -> str:
-    """Write the page; returns a line on it."""
+def _page(plan: Plan, made: Outcome, path: Path) -> None:
+    from railhil.probability.report import write_page
 
-    def write(path: Path) -> None:
-        from railhil.probability.report import write_page
-
-        write_page(plan, made.summary, path)
-
-    return say_report(made.folder, write)
+    write_page(plan, made.summary, path)
 
 
 PROBABILITY: Study[Plan, Chunk] = Study(
@@ -286,8 +278,8 @@ PROBABILITY: Study[Plan, Chunk] = Study(
     explained=lambda plan: machine_and_list(),
     items=lambda plan: sum(chunk.runs for chunk in plan.chunks()),
     repeat=_repeat,
-    report=_report,
-    show=lambda console, plan, made, line: show(console, plan, made, line),
+    page=_page,
+    lines=lines,
     finish=_complete,
     exit_code=exit_code,
     grown=lambda plan, rows: plan.grown(len(set(rows["repetition"].to_pylist()))),

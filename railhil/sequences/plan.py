@@ -19,15 +19,16 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.sequences.one import sequence_batch_of
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import check_unseen
-from railhil.study.plan import batch_sha256, bench_sha256, law_sha256, sha256_of_json
+from railhil.study.plan import origin_of, sha256_of_json
 
 #: The usual scenario: its law learns from run to run.
 SCENARIO = "yizhuang_stop"
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
+#: Code, beyond the bench's own, on which the rows depend.
+OWN_CODE = ("sequences",)
 #: Sequences per part: where runs are made one by one, and where they are made together.
 _CHUNK, _CHUNK_TOGETHER = 5, 25
 _OTHERS = "another --seed, of runs on which no parameters were tuned or chosen"
@@ -69,11 +70,6 @@ class Chunk:
     def runs(self) -> int:
         """Number of runs."""
         return len(self.sequences) * self.runs_each
-
-
-def learning_sha256() -> str:
-    """Hash over the code of this package and the code on which a campaign's figures depend."""
-    return batch_sha256("sequences")
 
 
 def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> list[RunSpec]:
@@ -144,13 +140,8 @@ class Plan:
         given = self.law.parameters
         return asdict(self.request) | {
             "perturbed": self.perturbed,
-            "scenario": self.scenario.name,
             "parameters": None if given is None else given.sha256,
-            "scenario_sha256": any_judged_sha256(self.scenario),
-            "law_sha256": law_sha256(self.law.controller, self.scenario.system),
-            "code_sha256": bench_sha256(),
-            "learning_sha256": learning_sha256(),
-            "system_sha256": self.scenario.installed_system.code_sha256(),
+            **origin_of(self.scenario, OWN_CODE, self.law),
         }
 
     @property

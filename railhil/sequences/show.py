@@ -1,15 +1,17 @@
-"""Prints the result of ``railhil learn`` on the terminal, all from ``summary.json``."""
+"""The result of ``railhil learn`` on the terminal, all from ``summary.json``."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
 from railhil.common.digits import count_of, percent
-from railhil.common.output import Output, titled_table
+from railhil.common.output import styled, titled_table
+from railhil.sequences.plan import Plan
 
 #: Runs that get a row of their own, besides the last.
 _FIRST_RUNS = 5
@@ -47,33 +49,25 @@ def converged(measure: Mapping[str, Any], sequences: int) -> str:
     )
 
 
-def show(console: Output, summary: Mapping[str, Any], folder: Path, report: str) -> None:
-    """Print the tables.
-
-    :param report: the line that says where the report is, or why there is none.
-    """
+def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str | Text | Table]:
+    """The tables of a study, each with its sentences."""
     kind = "perturbed" if summary["perturbed"] else "nominal"
     sequences, runs = count_of(summary["sequences"], "sequence", spec=","), count_of(summary["runs"], f"{kind} run")
-    console.say(
+    yield (
         f"{sequences} of {runs} of {summary['scenario']}, "
         f"{summary['law']}, {summary['arithmetic']}, seeds {summary['seed']} to {summary['last_seed']}"
     )
     for measure in summary["measures"].values():
-        console.print(_rows(measure))
-        console.say(converged(measure, summary["sequences"]))
+        yield _rows(measure)
+        yield converged(measure, summary["sequences"])
         if missing := sum(one["runs"] - one["with_a_value"] for one in measure["by_run"]):
             without = count_of(missing, "run has", "runs have")
-            console.say(f"{without} no {measure['title']}; they count as outside every limit")
-    verdicts = ", ".join(f"{count:,} {name}" for name, count in summary["verdicts"].items())
-    console.say(f"verdicts: {verdicts}")
+            yield f"{without} no {measure['title']}; they count as outside every limit"
+    yield f"verdicts: {', '.join(f'{count:,} {name}' for name, count in summary['verdicts'].items())}"
     if summary["not_learned"]:
-        console.say(f"{count_of(summary['not_learned'], 'run', spec=',')} left no record")
+        yield f"{count_of(summary['not_learned'], 'run', spec=',')} left no record"
     for fault, count in summary["memory_refused"].items():
-        console.say(f"memory: slot {fault} in {count_of(count, 'run', spec=',')}", style="bold yellow")
+        yield styled(f"memory: slot {fault} in {count_of(count, 'run', spec=',')}", "bold yellow")
     if summary["runs_with_wraps"]:
-        console.say(
-            f"the arithmetic wrapped in {count_of(summary['runs_with_wraps'], 'run', spec=',')}", style="bold red"
-        )
-    console.say(f"folder {folder}")
-    if report:
-        console.say(report)
+        runs = count_of(summary["runs_with_wraps"], "run", spec=",")
+        yield styled(f"the arithmetic wrapped in {runs}", "bold red")

@@ -10,25 +10,17 @@ from pathlib import Path
 import pyarrow as pa
 
 from railhil.judge.judging import judging_of
-from railhil.run.report import say_report
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.sequences.one import sequence, sequences, through_nodes
-from railhil.sequences.plan import (
-    Chunk,
-    Plan,
-    Request,
-    learning_sha256,
-    make_plan,
-    run_specs,
-)
-from railhil.sequences.show import show
+from railhil.sequences.plan import OWN_CODE, Chunk, Plan, Request, make_plan, run_specs
+from railhil.sequences.show import lines
 from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences
 from railhil.study.manifest import machine_and_list
-from railhil.study.plan import Study, bench_sha256, law_sha256
+from railhil.study.plan import Study, code_of
 from railhil.study.table import row as row_of
 
 
@@ -41,7 +33,7 @@ class ChunkWork:
     base: RunSpec
 
     def code(self) -> tuple[str, ...]:
-        return bench_sha256(), learning_sha256(), law_sha256(self.base.law.controller, self.scenario.system)
+        return code_of(self.base.law, self.scenario.system, OWN_CODE)
 
     def rows(self) -> pa.Table:
         scenario, chunk = self.scenario, self.chunk
@@ -64,13 +56,10 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
         yield Verified(f"sequence {seed}, run {number}", which, differences(ours, bench))
 
 
-def _report(plan: Plan, made: Outcome) -> str:
-    def write(path: Path) -> None:
-        from railhil.sequences.report import write_page
+def _page(plan: Plan, made: Outcome, path: Path) -> None:
+    from railhil.sequences.report import write_page
 
-        write_page(plan, made.summary, made.table, path)
-
-    return say_report(made.folder, write)
+    write_page(plan, made.summary, made.table, path)
 
 
 LEARN: Study[Plan, Chunk] = Study(
@@ -85,6 +74,6 @@ LEARN: Study[Plan, Chunk] = Study(
     explained=lambda plan: machine_and_list(),
     items=lambda plan: len(plan.seeds),
     repeat=_repeat,
-    report=_report,
-    show=lambda console, plan, made, line: show(console, made.summary, made.folder, line),
+    page=_page,
+    lines=lines,
 )

@@ -21,7 +21,7 @@ from railhil.record.signature import add_sign_argument, check_key, sign_list
 from railhil.scenarios.given import GivenController, given_controllers
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.options import add_option
-from railhil.study.engines import running
+from railhil.study.engines import ENGINES, running
 from railhil.study.plan import P, Shard, Study
 
 # Modules that make runs are imported where they are used: help and completion do not need the extra libraries.
@@ -29,20 +29,39 @@ from railhil.study.plan import P, Shard, Study
 #: Field of a request -> attribute of the command line, if it has another name.
 _ATTRIBUTE = {"settings": "set", "faults": "fault", "first_seed": "seed"}
 
+#: Names of engines in earlier versions.
+_FORMER_ENGINES = {"joblib": "processes"}
 
-def exit_codes(lost: str) -> str:
+
+def exit_codes(
+    lost: str,
+    made: str = "every run was made (whatever its verdict)",
+    bad: str = "",
+    defect: str = "TOOL ERROR: a defect, or the record could not be written (what is done is kept)",
+) -> str:
     """The exit codes in the help.
 
-    :param lost: meaning of exit code 3.
+    :param lost: meaning of exit code 3; so are ``made`` of 0, ``bad`` of 1 beside that with ``--verify`` (empty: none)
+        and ``defect`` of 4.
     """
     return f"""\
 exit codes:
-  0    every run was made (whatever its verdict); --verify: the bench gives the same results
-  1    --verify: the bench gives other results
+  0    {made}; --verify: the bench gives the same results
+  1    {bad and f"{bad}; "}--verify: the bench gives other results
   2    usage or bad input; one line says what was found and what is allowed
   3    {lost}; what is done is kept
-  4    TOOL ERROR: a defect, or the record could not be written (what is done is kept)
+  4    {defect}
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
+
+
+def add_engine_arguments(parser: argparse.ArgumentParser, usual: str = "processes") -> None:
+    """Options about the place where the runs are made."""
+    parser.add_argument("--engine", type=_engine, choices=ENGINES, default=usual, help="this process, cores, machines")
+    add_option(parser, "--jobs", "" if usual == "processes" else ", with --engine processes")
+
+
+def _engine(text: str) -> str:
+    return _FORMER_ENGINES.get(text, text)
 
 
 def add_folder_arguments(parser: argparse.ArgumentParser, default: str, with_report: bool) -> None:
@@ -102,6 +121,11 @@ def _check_options(
             option = extra[0] if extra[0] == "scenario" else f"--{extra[0].replace('_', '-')}"
             allowed = Sentence(f"cannot be given with {option}, only with --{beside[0]} and --draw")
             raise InputError("command line", "--verify", option, allowed)
+    for option, engine in (("jobs", "processes"), ("scheduler", "dask")):
+        given = getattr(namespace, option)
+        if given is not None and getattr(namespace, "engine", engine) != engine:
+            allowed = Sentence(f"used only with --engine {engine}")
+            raise InputError("command line", f"--{option}", given, allowed)
     if namespace.resume is not None and namespace.out is not None:
         raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --resume"))
     if namespace.shard is not None:
@@ -131,11 +155,11 @@ class Command(Generic[P]):
     """The command of one kind of study.
 
     ``study``: ``module:object`` of its record, which needs the libraries of the extra. ``verified``: the option that
-    says how many items ``--verify`` makes again, and their usual number. ``only_run``: further options that do not go
-    with ``--verify``. ``check``: (command line) refuses other options that do not go together. ``engine``: (command
-    line) -> name and number of processes (None: one per core). ``how``: (plan) -> remark on the making of the runs
-    (empty: none), and the module with compiled loops (None: nothing is compiled). ``code``: the field of the request
-    that may name controllers of the user (empty: none may); if it does, the study's ``make_plan`` takes them as
+    says how many items ``--verify`` makes again, and their usual number. ``how``: (plan) -> remark on the making of the
+    runs (empty: none), and the module with compiled loops (None: nothing is compiled). ``check``: (command line)
+    refuses options of its own that do not go together. ``engine``: (command line) -> name and number of processes
+    (None: one per core). ``only_run``: further options that do not go with ``--verify``. ``code``: the field of the
+    request that may name controllers of the user (empty: none may); if it does, the study's ``make_plan`` takes them as
     ``code``, by their texts. ``time_s``: (command line) -> wall time after which the study ends with what is there, in
     s; None: it ends with its last run.
     """
@@ -145,10 +169,13 @@ class Command(Generic[P]):
     request: type[Any]
     arguments: Callable[[], argparse.ArgumentParser]
     verified: tuple[str, int]
-    only_run: Sequence[str]
-    check: Callable[[argparse.Namespace], None]
-    engine: Callable[[argparse.Namespace], tuple[str, int | None]]
     how: Callable[[P], tuple[str, str | None]]
+    check: Callable[[argparse.Namespace], None] = lambda namespace: None
+    engine: Callable[[argparse.Namespace], tuple[str, int | None]] = lambda namespace: (
+        namespace.engine,
+        namespace.jobs,
+    )
+    only_run: Sequence[str] = ("json",)
     code: str = ""
     time_s: Callable[[argparse.Namespace], float | None] = lambda namespace: None
 
@@ -252,5 +279,6 @@ class Command(Generic[P]):
         if namespace.json:
             print_json(made.summary)
         else:
-            study.show(Output(), plan, made, line)
+            folder = f"{study.name} folder {made.folder}"
+            Output().show([*study.lines(plan, made.summary, made.folder), *filter(None, (line, folder))])
         return study.exit_code(plan, made)

@@ -20,7 +20,7 @@ from railhil.study.plan import C, P, Study
 from railhil.study.table import RESULTS, NotThePart, read_table
 
 #: Keys of hashes of code, in an identity and in the tables in it.
-_CODE = ("code_sha256", "batch_sha256", "learning_sha256", "system_sha256", "law_sha256")
+_CODE = ("code_sha256", "batch_sha256", "system_sha256", "law_sha256")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from railhil.common.exit_codes import PASS
@@ -16,14 +17,17 @@ from railhil.common.held_code import held_sha256
 from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
 from railhil.judge.folder import code_sha256
+from railhil.run.report import say_report
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.scenarios.system import system_named
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    from rich.table import Table
+    from rich.text import Text
 
-    from railhil.common.output import Output
     from railhil.study.engines import Engine, Say
     from railhil.study.execute import Outcome
     from railhil.study.finished import Verified
@@ -84,11 +88,11 @@ class Study(Generic[P, C]):
     raises NotThePart. ``work``: (plan, chunk) -> the work of a worker. ``summary``: (plan, rows) -> ``summary.json``.
     ``explained``: (plan) -> further entries of the manifest for people. ``items``: (plan) -> how many there are of what
     ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
-    differ. ``report``: (plan, outcome) -> a line on the page that it has written, or empty. ``show``: (console, plan,
-    outcome, that line) prints the tables. ``finish``: (plan, outcome, engine, say) -> the outcome with what is made of
-    all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command. ``cut``: (plan, n) -> the plan
-    of its first n chunks, for a study that may end by time; None: it may not. ``grown``: (plan,
-    rows) -> the plan with the chunks of these rows, where ``finish`` adds some. ``unit``: what a row is.
+    differ. ``lines``: (plan, summary, folder) -> what is printed of the results, lines and tables. ``page``: (plan,
+    outcome, file) writes its page; None: only ``railhil report`` does. ``finish``: (plan, outcome, engine, say) -> the
+    outcome with what is made of all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command.
+    ``cut``: (plan, n) -> the plan of its first n chunks, for a study that may end by time; None: it may not. ``grown``:
+    (plan, rows) -> the plan with the chunks of these rows, where ``finish`` adds some. ``unit``: what a row is.
     """
 
     name: str
@@ -102,8 +106,8 @@ class Study(Generic[P, C]):
     explained: Callable[[P], Mapping[str, Any]]
     items: Callable[[P], int]
     repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
-    report: Callable[[P, Outcome], str]
-    show: Callable[[Output, P, Outcome, str], None]
+    lines: Callable[[P, Mapping[str, Any], Path], Iterable[str | Text | Table]]
+    page: Callable[[P, Outcome, Path], None] | None = None
     finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
     exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS
     cut: Callable[[P, int], P] | None = None
@@ -119,6 +123,10 @@ class Study(Generic[P, C]):
     def manifest(self) -> str:
         """Name of the manifest."""
         return f"{self.name}.json"
+
+    def report(self, plan: P, made: Outcome) -> str:
+        """Write the page; returns the line of :func:`~railhil.run.report.say_report`, empty if it has none."""
+        return "" if self.page is None else say_report(made.folder, partial(self.page, plan, made))
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +164,27 @@ def batch_sha256(*further: str) -> str:
     :param further: packages and modules.
     """
     return code_sha256((*_OWN_CODE, *further))
+
+
+def origin_of(scenario: AnyScenario, own_code: Sequence[str] = (), law: LawSpec | None = None) -> dict[str, Any]:
+    """What determines the rows of every study: hashes of its scenario and of all code.
+
+    :param own_code: as for :func:`batch_sha256`.
+    :param law: of all runs; None: the study has several.
+    """
+    return {
+        "scenario": scenario.name,
+        "scenario_sha256": any_judged_sha256(scenario),
+        **({} if law is None else {"law_sha256": controller_sha256(law, scenario.system)}),
+        "code_sha256": bench_sha256(),
+        "batch_sha256": batch_sha256(*own_code),
+        "system_sha256": scenario.installed_system.code_sha256(),
+    }
+
+
+def code_of(law: LawSpec, system: str, own_code: Sequence[str] = ()) -> tuple[str, ...]:
+    """Hashes of the code in this process on which the rows of a law depend. Raises InputError: there is no such law."""
+    return bench_sha256(), batch_sha256(*own_code), controller_sha256(law, system)
 
 
 @lru_cache(maxsize=1)

@@ -15,7 +15,7 @@ from rich.console import Console
 
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.rows import schema, table_of
-from railhil.campaign.show import _against, _scores, show
+from railhil.campaign.show import _against, _scores, lines
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
 from railhil.common.output import Output
@@ -142,7 +142,7 @@ def test_training_seeds_are_said_in_every_table(plan, results):
 
 def test_the_terminal_says_how_many_runs_stopped_within_strict_figures(plan, results, tmp_path, capsys):
     """Whatever the scenario allows: 11, 20 and 20 of 20 runs, 15, 19 and 19 with the parameters of the file."""
-    show(Output(), summary(plan, results), tmp_path, JUDGING)
+    Output().show(lines(plan, summary(plan, results), tmp_path))
     printed = capsys.readouterr().out.split("Runs that stopped within")[1].split("Against")[0]
     assert printed.split()[:4] == ["law", "0.1", "m", "0.2"]
     shares = [word for word in printed.split() if word.endswith("%")]
@@ -156,7 +156,7 @@ def test_a_weakened_watch_is_said_in_every_table(tmp_path, capsys):
     found = summary(plan, made)
     words = "emergency_ms 100000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)"
     assert (found["warnings"], found["watch_weakened"]) == ([f"watch weakened: {words}"], words)
-    show(Output(), found, tmp_path, JUDGING)
+    Output().show(lines(plan, found, tmp_path))
     assert capsys.readouterr().out.splitlines().count(f"watch weakened: {words}") == 3
 
 

@@ -16,7 +16,7 @@ from rich.console import Console
 from railhil.campaign.plan import Plan, Request, make_plan
 from railhil.campaign.report import page
 from railhil.campaign.rows import table_of
-from railhil.campaign.show import _inside, _scores, show
+from railhil.campaign.show import _inside, _scores, lines
 from railhil.campaign.summary import summary
 from railhil.common.output import Output
 from railhil.judge.score import Score
@@ -71,7 +71,7 @@ def test_runs_of_the_system_stop_that_did_not_stop_are_counted_and_listed(tmp_pa
     assert law["failures"] == {"the train did not stop": 13}
     listed = [run["seed"] for run in law["worst"] if "did not stop" in run["why"]]
     assert listed == [1000, 1001, 1002, 1003, 1004]
-    show(Output(), found, tmp_path, plan.judging)
+    Output().show(lines(plan, found, tmp_path))
     text = capsys.readouterr().out
     assert "FAIL in 13 of 20 runs: the train did not stop (13)" in text
     assert "did not stop: FAIL: the train did not stop" in text
@@ -128,7 +128,7 @@ def test_a_run_that_says_nothing_about_the_law_is_no_failure(tmp_path: Any, caps
     assert law["failures"] == {"x": 1}
     assert law["invalid"]["runs"] == sum(law["invalid"]["reasons"].values()) == 1
     assert law["inside"]["pass"]["runs"] == 2
-    show(Output(), found, tmp_path, plan.judging)
+    Output().show(lines(plan, found, tmp_path))
     text = capsys.readouterr().out
     assert "FAIL in 1 of 4 runs: x (1)" in text
     assert "INVALID in 1 of 4 runs: fault N never began" in text
@@ -136,7 +136,7 @@ def test_a_run_that_says_nothing_about_the_law_is_no_failure(tmp_path: Any, caps
     # Without such a run nothing of it is said.
     found = summary(plan, made(plan, {}, [(), ("x",), (), ()]))
     assert "invalid" not in next(iter(found["laws"].values()))
-    show(Output(), found, tmp_path, plan.judging)
+    Output().show(lines(plan, found, tmp_path))
     assert "INVALID" not in capsys.readouterr().out
 
 
@@ -165,7 +165,7 @@ def test_the_worst_stop_of_each_run_is_a_column_and_is_counted_by_its_name(tmp_p
     (law,) = found["laws"].values()
     assert [(one["name"], one["runs"]) for one in law["worst_stop"]] == [("4 D", 2), ("2 B", 1)]
     assert [one["worst_stop_error_m"] for one in law["worst_stop"]] == pytest.approx([-0.05, 0.2])
-    show(Output(), found, tmp_path, plan.judging)
+    Output().show(lines(plan, found, tmp_path))
     text = capsys.readouterr().out
     assert "Runs by their worst stop" in text
     assert "worst stop 2 B +0.2000 m" in text
