@@ -9,9 +9,10 @@ import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
+from hil_tests.support.batch_controller import BatchController
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.ato.control_loop import ControlLoop
-from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, Controller
 from railhil.controller_node.compiled_law import compile_law
 from railhil.controller_node.cost import CPU_MHZ
 from railhil.controller_node.laws.base import NOTCH_Q

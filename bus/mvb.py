@@ -137,16 +137,6 @@ def master_tail(f_code: int, address: int) -> bytes:
     return word + bytes([check_sequence(word)])
 
 
-def slave_frame(data: bytes) -> bytes:
-    """The slave frame as on a real MVB: each block followed by its check octet.
-
-    ``data``: 2, 4, 8, 16 or 32 bytes.
-    """
-    step = min(len(data), 8)
-    blocks = (data[i : i + step] for i in range(0, len(data), step))
-    return b"".join(block + bytes([check_sequence(block)]) for block in blocks)
-
-
 class TelegramSource:
     """Turns the process data of one port into CAN frames; counts the telegrams in the trailer's ``seq``.
 

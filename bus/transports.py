@@ -140,15 +140,6 @@ def hub_limit() -> str:
     return f"no {' and no '.join(never)}; {asked} (docs/howto/hub.md)"
 
 
-def hub_table() -> str:
-    """The list as a table of docs/howto/hub.md."""
-    lines = ["| property | option | what the hub does | what is not modelled |", "|---|---|---|---|"]
-    for row in HUB_MODEL:
-        option = f"`{row.option}`" if row.option else "always" if row.by else "none"
-        lines.append(f"| {row.subject} | {option} | {row.by or 'nothing'} | {row.without} |")
-    return "\n".join(lines) + "\n"
-
-
 #: The first entry that serves a bus is its transport.
 TRANSPORTS = (
     Transport(

@@ -6,17 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from railhil.common.mypyc import mypyc_attr
-from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.ato.guard import SPEED_MAX_01MMPS
 from railhil.controller_node.law_controller import CommandCode, LawController
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
-from railhil.controller_node.laws.note import on_wire, on_wire_batch
+from railhil.controller_node.laws.note import on_wire
 from railhil.controller_node.program.ranges import Interval
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -52,16 +48,6 @@ class ControlOutput:
     def commands(self) -> tuple[int]:
         """All of its outputs, see :class:`railhil.controller_node.law_controller.Computed`."""
         return (self.notch_code,)
-
-
-@dataclass(frozen=True, slots=True)
-class BatchOutput:
-    """:class:`ControlOutput` for N trains: int64 arrays of shape (N,); flags are common to all."""
-
-    notch_code: NDArray[np.int64]
-    notes: tuple[NDArray[np.int64], ...]
-    error_raw: NDArray[np.int64]
-    overflow_flags: int
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -128,61 +114,3 @@ class Controller(LawController):
                 # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
                 raise self.failed(fault, "with_sent") from fault
             self.telemetry.take(self.arithmetic)
-
-
-class BatchController(LawController):
-    """Controllers of N trains on the same scenario, stepped together; same law, same results as N controllers.
-
-    :param trains: the number N.
-    """
-
-    loop: ClassVar[type[Any]] = ControlLoop
-    commands: tuple[CommandCode, ...] = COMMANDS
-    wire: Mapping[str, Interval] = WIRE
-
-    def __init__(
-        self,
-        scenario: Scenario,
-        trains: int,
-        law: LawSpec | None = None,
-    ) -> None:
-        law = law or LawSpec()
-        super().__init__(scenario, law, make(law.arithmetic, batch=True))
-        self._trains = trains
-
-    def step(
-        self,
-        k: int,
-        speed_01mmps: NDArray[np.int64],
-        position_01mm: NDArray[np.int64],
-        balise: BaliseReading[Any] = NO_BALISE,
-    ) -> BatchOutput:
-        """One control period of all trains; arguments as :meth:`Controller.step`, arrays of shape (N,)."""
-        number = self.arithmetic
-        try:
-            inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
-        except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
-            raise self.failed(fault, "step") from fault
-        told = zip(self._loop.law.notes, outputs.notes, strict=True)
-        notes = tuple(on_wire_batch(note, self._raw(value, note.q)) for note, value in told)
-        error = number.sub(inputs.set_point, inputs.speed)
-        self.telemetry.take(number)
-        return BatchOutput(
-            notch_code=self._raw(outputs.notch, NOTCH_Q),
-            notes=notes,
-            error_raw=self._raw(error, SPEED_Q),
-            overflow_flags=number.counters.flags,
-        )
-
-    def sent(self, notch_code: NDArray[np.int64]) -> None:
-        """Like :meth:`Controller.sent`, for all trains, after the first step."""
-        try:
-            self._loop.sent(self.arithmetic.from_raw(notch_code, NOTCH_Q))
-        except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
-            raise self.failed(fault, "with_sent") from fault
-        self.telemetry.take(self.arithmetic)
-
-    def _raw(self, value: Any, q: int) -> NDArray[np.int64]:
-        return np.broadcast_to(np.asarray(self.arithmetic.raw(value, q), dtype=np.int64), (self._trains,))

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 #: Signals of CTL_STAT for the notes, and the bits of each.
 SLOTS = {"Note1": 4, "Note2": 16, "Note3": 16}
 #: UNIPOLAR2.16: 1/16384.
@@ -92,11 +90,4 @@ def on_wire(note: Note, raw: int) -> int:
     low, high = note.limits
     value = raw >> note.shift
     value = low if value < low else high if value > high else value
-    return value & 0xFFFF if note.signed else value
-
-
-def on_wire_batch(note: Note, raw: Any) -> Any:
-    """:func:`on_wire` of an int64 array."""
-    low, high = note.limits
-    value = np.clip(raw >> note.shift, low, high)
     return value & 0xFFFF if note.signed else value

@@ -13,8 +13,9 @@ from html import escape
 from pathlib import Path
 
 from hil_tests.support.short_runs import RUN_2M_TOML
+from hil_tests.support.slave_frames import slave_frame
 from railhil.bench import local_run
-from railhil.bus.mvb import master_tail, slave_frame
+from railhil.bus.mvb import master_tail
 from railhil.dbc import Port
 from railhil.dbc.contract import Signal
 from railhil.record.framelog import read_log

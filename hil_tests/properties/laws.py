@@ -10,12 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from hil_tests.support.batch_controller import BatchController
 from hil_tests.support.exported import SANITIZED, checked, compiled, written
 from railhil.audit.shadow import compare_codes, errors, shadow_run
 from railhil.batch import Case
 from railhil.bench import direct_run, local_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.parameters import law_parameters

@@ -8,12 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from hil_tests.support.batch_controller import BatchController, on_wire_batch
 from hil_tests.support.plug import plug_in
 from railhil.common.errors import InputError
-from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.laws import load, names
-from railhil.controller_node.laws.note import Note, flags, on_wire, on_wire_batch, slots
+from railhil.controller_node.laws.note import Note, flags, on_wire, slots
 from railhil.controller_node.telemetry_file import law_document
 from railhil.scenarios.load import load as load_scenario
 from railhil.scenarios.run_spec import LawSpec

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil_tests.support import shipped
+from hil_tests.support.batch_controller import BatchController
 from hil_tests.support.cli import railhil
 from hil_tests.support.plug import plug_in
 from railhil.bus.mvb import TelegramSource, master_frame
@@ -21,7 +22,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
 from railhil.controller_node.ato.control_loop import ControlLoop
-from railhil.controller_node.ato.controller import WIRE, BatchController, Controller
+from railhil.controller_node.ato.controller import WIRE, Controller
 from railhil.controller_node.ato.laws.ipfc import Ipfc
 from railhil.controller_node.ato.node import ControllerNode
 from railhil.controller_node.laws import load as load_law

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil_tests.support.batch_controller import BatchController
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, SATURATION, WRAP, Arithmetic
-from railhil.controller_node.ato.controller import BatchController, Controller
+from railhil.controller_node.ato.controller import Controller
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.telemetry import QuantityTelemetry, Telemetry
 from railhil.scenarios.load import load

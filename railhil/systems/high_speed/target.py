@@ -7,7 +7,6 @@ assumptions.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate, pairwise
@@ -65,10 +64,6 @@ class SpeedCurve:
             return self.positions_m[-1]
         low, high = self.positions_m[index], self.positions_m[index + 1]
         return low + (high - low) * (place - index)
-
-    def time_at_s(self, position_m: float) -> float:
-        """Time of the first point at or behind a position; the time of the last point if it is not reached."""
-        return min(bisect_left(self.positions_m, position_m), len(self.positions_m) - 1) * GRID_S
 
 
 def resistance_mps2(davis_n_per_t: tuple[float, float, float], speed_mps: float) -> float:

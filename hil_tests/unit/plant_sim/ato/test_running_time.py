@@ -10,7 +10,7 @@ from math import sqrt
 import pytest
 
 from hil_tests.support.paths import TEST_DATA
-from railhil.plant_sim.ato.running_time import CELL_M, CannotMove, flat_out_run, running_time_s
+from hil_tests.support.running_time import CELL_M, CannotMove, flat_out_run, running_time_s
 from railhil.scenarios.load import load
 from railhil.scenarios.profiles import find_lowest, profile_value
 from railhil.systems.ato.scenario.importers.railtoolkit import load_line, load_train

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import inf
 from time import process_time
 from typing import TYPE_CHECKING, Any, cast
 
@@ -12,12 +13,57 @@ import pytest
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any
 from railhil.scenarios.validation import Keys, join_keys
+from railhil.systems.ato.scenario.model import TargetCurve
 from railhil.systems.line.scenario.model import RouteSignal
 from railhil.systems.line.scenario.protection import PROFILES
-from railhil.systems.line.scenario.protection_check import Gaps, check_targets, find_gaps, track_of
+from railhil.systems.line.scenario.protection_check import _end_target, _samples, check_targets, track_of
 
 if TYPE_CHECKING:
     from railhil.systems.line.scenario.model import LineScenario
+
+
+#: Indices of ``LimitCurve.times``; the EBI itself has no time.
+_SERVICE, _WARNING, _PERMITTED = range(3)
+
+
+@dataclass(frozen=True, slots=True)
+class Gaps:
+    """Smallest ways of a target curve to the limits before the next stop, and to those before lower limits, in m.
+
+    ``ceiling_mps`` is the smallest speed left below the ceilings.
+    """
+
+    permitted_m: float
+    warning_m: float
+    service_m: float
+    emergency_m: float
+    lower_limit_m: float
+    ceiling_mps: float
+
+
+def find_gaps(line: LineScenario, index: int, curve: TargetCurve) -> Gaps:
+    """How near a target curve of a section comes to the limits.
+
+    :param index: number of the section, from 0.
+    :raises GradeNotHeldError: a brake does not hold a grade on the way.
+    """
+    section = line.sections[index]
+    track = track_of(line.atp, line.train, line.legs[section.leg])
+    end = _end_target(line, section, track)
+    least = [inf] * 4
+    lower_m = ceiling_mps = inf
+    for sample in _samples(line, section, curve):
+        for row, which in enumerate((_PERMITTED, _WARNING, _SERVICE)):
+            least[row] = min(least[row], sample.gap_m(end, which))
+        if sample.speed_mps > end.floor.permitted_mps:
+            emergency_m = end.emergency.place_m(sample.speed_mps, 0.0, sample.accel_mps2)
+            least[3] = min(least[3], emergency_m - sample.most_m)
+        for target in track.lower:
+            if target.place_m > sample.most_m:
+                lower_m = min(lower_m, sample.gap_m(target, _PERMITTED))
+        ceiling = track.ceiling(sample.least_m, sample.most_m)
+        ceiling_mps = min(ceiling_mps, ceiling.permitted_mps - sample.speed_mps)
+    return Gaps(least[0], least[1], least[2], least[3], lower_m, ceiling_mps)
 
 
 def refuse(keys: Keys, found: object, allowed: str) -> InputError:

@@ -1,6 +1,6 @@
 """Target curves below the train protection: ``ato_margin_m`` before its curves, ``ato_margin_kmh`` below its ceilings.
 
-Read at a scenario's load, and by tests for the smallest gaps of a curve.
+Read at a scenario's load.
 """
 
 from __future__ import annotations
@@ -29,26 +29,11 @@ from railhil.systems.line.scenario.statement import OVERSPEED
 SIGNAL_OVERLAP_M = 20.0
 #: A target curve is looked at this often.
 _SAMPLE_S = 0.2
-#: Indices of ``LimitCurve.times``; the EBI itself has no time.
-_SERVICE, _WARNING, _PERMITTED = range(3)
+#: Indices of ``LimitCurve.times``.
+_WARNING, _PERMITTED = 1, 2
 #: Speeds are compared to this accuracy.
 _ROUNDING_MPS = 1e-9
 _KMH = 3.6
-
-
-@dataclass(frozen=True, slots=True)
-class Gaps:
-    """Smallest ways of a target curve to the limits before the next stop, and to those before lower limits, in m.
-
-    ``ceiling_mps`` is the smallest speed left below the ceilings.
-    """
-
-    permitted_m: float
-    warning_m: float
-    service_m: float
-    emergency_m: float
-    lower_limit_m: float
-    ceiling_mps: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +46,14 @@ class _Sample:
     estimated_m: float
     most_m: float
 
-    def gap_m(self, target: SpeedTarget, which: int | None) -> float:
+    def gap_m(self, target: SpeedTarget, which: int) -> float:
         """Way to a limit of a target; infinite at speeds that it permits."""
         speed_mps = self.speed_mps
         if speed_mps <= target.floor.permitted_mps:
             return inf
         emergency, service = target.emergency, target.service
-        lead_s = 0.0 if which is None else emergency.times[which]
-        gap_m = emergency.place_m(speed_mps, lead_s, self.accel_mps2) - self.most_m
-        if service is None or which is None:
+        gap_m = emergency.place_m(speed_mps, emergency.times[which], self.accel_mps2) - self.most_m
+        if service is None:
             return gap_m
         return min(gap_m, service.place_m(speed_mps, service.times[which]) - self.estimated_m)
 
@@ -91,28 +75,6 @@ def track_of(protection: Protection, train: Train, leg: Line) -> TrackLimits:
     brake = protection.brake_model(train.gravity_mps2)
     braking = Braking(brake, brake.gradient_steps(leg.grade_permil, train.length_m), train.speed_limit_mps)
     return TrackLimits(braking, protection.increments_mps, leg.speed_limit_mps, train.length_m, train.speed_limit_mps)
-
-
-def find_gaps(line: LineScenario, index: int, curve: TargetCurve) -> Gaps:
-    """How near a target curve of a section comes to the limits.
-
-    :param index: number of the section, from 0.
-    :raises GradeNotHeldError: a brake does not hold a grade on the way.
-    """
-    section = line.sections[index]
-    track = track_of(line.atp, line.train, line.legs[section.leg])
-    end = _end_target(line, section, track)
-    least = [inf] * 4
-    lower_m = ceiling_mps = inf
-    for sample in _samples(line, section, curve):
-        for row, which in enumerate((_PERMITTED, _WARNING, _SERVICE, None)):
-            least[row] = min(least[row], sample.gap_m(end, which))
-        for target in track.lower:
-            if target.place_m > sample.most_m:
-                lower_m = min(lower_m, sample.gap_m(target, _PERMITTED))
-        ceiling = track.ceiling(sample.least_m, sample.most_m)
-        ceiling_mps = min(ceiling_mps, ceiling.permitted_mps - sample.speed_mps)
-    return Gaps(least[0], least[1], least[2], least[3], lower_m, ceiling_mps)
 
 
 def check_targets(line: LineScenario, refuse: Refuse) -> None:
