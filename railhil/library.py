@@ -370,11 +370,9 @@ def campaign(
     from railhil.common.extras import need
 
     need("pyarrow", "campaign")
-    from railhil.batch import say_compiling
-    from railhil.campaign.plan import Request, make_plan
+    from railhil.campaign.plan import Plan, Request
     from railhil.campaign.study import CAMPAIGN
-    from railhil.study.call import make_study, say
-    from railhil.study.manifest import checked_request
+    from railhil.study.call import make_study
     from railhil.study.perturbed_runs import how_made
 
     texts, code = ((), {}) if laws is None else named_laws(laws)
@@ -391,10 +389,9 @@ def campaign(
         parameters=tuple(str(Path(file).resolve()) for file in files),
         allow_training_seeds=allow_training_seeds,
     )
-    plan = make_plan(checked_request(CAMPAIGN, request, Path("railhil.campaign")), code)
-    _, kernel = how_made(plan.scenario, [entry.law for entry in plan.entries])
-    if kernel is not None:
-        need("numba", "campaign")
-        say_compiling(say, kernel)
-    made = make_study(CAMPAIGN, plan, jobs, out)
+
+    def compiled_loops(plan: Plan) -> tuple[str, str | None]:
+        return "", how_made(plan.scenario, [entry.law for entry in plan.entries])[1]
+
+    plan, made = make_study(CAMPAIGN, request, jobs, out, code, compiled_loops)
     return CampaignOutcome(made.folder, made.summary, plan.judging)

@@ -7,6 +7,7 @@ import argparse
 import contextlib
 import difflib
 import io
+import math
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -288,26 +289,25 @@ def seed_list(text: str, most: int) -> list[int]:
     return seeds
 
 
-def rate(text: str) -> float:
-    """An option's type: simulated seconds per second."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = float("nan")
-    if not RATE_MIN <= found <= RATE_MAX:
-        raise argparse.ArgumentTypeError(f"found {text}, allowed {RATE_MIN:g} to {RATE_MAX:g}")
-    return found
+def number(is_allowed: Callable[[float], bool], allowed: str) -> Callable[[str], float]:
+    """An option's type: a number that is allowed; ``allowed`` says which ones are."""
+
+    def parse_number(text: str) -> float:
+        try:
+            found = float(text)
+        except ValueError:
+            found = math.nan
+        if not is_allowed(found):
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {allowed}")
+        return found
+
+    return parse_number
 
 
-def seconds(text: str) -> float:
-    """An option's type: wall time to wait for another node."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = float("nan")
-    if not 0 < found <= APPEAR_MAX_S:
-        raise argparse.ArgumentTypeError(f"found {text}, allowed above 0, at most {APPEAR_MAX_S:g} s")
-    return found
+#: An option's type: simulated seconds per second.
+rate = number(lambda value: RATE_MIN <= value <= RATE_MAX, f"{RATE_MIN:g} to {RATE_MAX:g}")
+#: An option's type: wall time to wait for another node.
+seconds = number(lambda value: 0 < value <= APPEAR_MAX_S, f"above 0, at most {APPEAR_MAX_S:g} s")
 
 
 def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:

@@ -21,17 +21,6 @@ Folder, lock, parts, shards, engines, resuming and ``--verify`` are those of :mo
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from typing import Any
+from railhil.common.callable_package import stand_for
 
-from railhil.common.callable_package import CallablePackage
-
-
-def _function() -> Callable[..., Any]:
-    from railhil.hunt.outcome import hunt
-
-    return hunt
-
-
-sys.modules[__name__].__class__ = CallablePackage
+stand_for(__name__, "railhil.hunt.outcome:hunt")

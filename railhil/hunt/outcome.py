@@ -179,10 +179,9 @@ def hunt(
     :raises InputError: anything that is not allowed, in one line.
     """
     need("pyarrow", "campaign")
-    from railhil.hunt.plan import Request, make_plan
+    from railhil.hunt.plan import Request
     from railhil.hunt.study import HUNT
     from railhil.study.call import make_study
-    from railhil.study.manifest import checked_request
 
     (text,), code = (("",), {}) if controller is None else named_laws(controller, "railhil.hunt", "controller")
     request = Request(
@@ -198,7 +197,5 @@ def hunt(
         no_shrink=not shrink,
         tighten=tighten,
     )
-    plan = make_plan(checked_request(HUNT, request, Path("railhil.hunt")), code)
-    made = make_study(HUNT, plan, jobs, out)
-    HUNT.report(plan, made)
+    _, made = make_study(HUNT, request, jobs, out, code)
     return HuntOutcome(made.folder, made.summary)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from railhil.common.command_line import OneLineParser, run_command, whole_number
+from railhil.common.command_line import OneLineParser, number, run_command, whole_number
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.output import Output
@@ -32,19 +31,8 @@ exit codes:
   130  stopped by Ctrl-C, 143 by SIGTERM (nothing is written)"""
 
 
-def _number(highest: float) -> Callable[[str], float]:
-    """An option's type: a number above 0."""
-
-    def number(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not 0.0 < value <= highest:
-            raise argparse.ArgumentTypeError(f"found {text}, allowed a number above 0 and up to {highest:g}")
-        return value
-
-    return number
+def _positive(highest: float) -> Callable[[str], float]:
+    return number(lambda value: 0.0 < value <= highest, f"a number above 0 and up to {highest:g}")
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -63,7 +51,7 @@ def arguments() -> argparse.ArgumentParser:
     solver = parser.add_mutually_exclusive_group()
     solver.add_argument(
         "--ridge",
-        type=_number(_RIDGE_MAX),
+        type=_positive(_RIDGE_MAX),
         default=10.0,
         metavar="X",
         help="weight of the squared output weights in the least squares of an ELM (default: 10)",
@@ -74,7 +62,7 @@ def arguments() -> argparse.ArgumentParser:
     add_option(parser, "--seed", ", of the hidden layer", default=1, usual="1")
     parser.add_argument(
         "--period",
-        type=_number(_PERIOD_MAX_S),
+        type=_positive(_PERIOD_MAX_S),
         default=1.0,
         metavar="S",
         help="sampling period T0 of the law that will use the network, in s (default: 1)",

@@ -23,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from railhil.common.command_line import OneLineParser, accept_former_name, whole_number
+from railhil.common.command_line import OneLineParser, accept_former_name, number, whole_number
 from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
 from railhil.machines.vm_image import KINDS, Kind
@@ -32,6 +32,7 @@ _WAYS = ("namespace", *KINDS)
 #: Interface names accepted by the kernel, except those that a shell or ``ip`` could misinterpret.
 _INTERFACE = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,14}")
 _TIMEOUT_MAX_S = 86_400
+_SECONDS = number(lambda value: 1 <= value <= _TIMEOUT_MAX_S, f"1 to {_TIMEOUT_MAX_S} s")
 #: Folder in which ``railhil run`` leaves its results.
 _RESULTS = "runs"
 
@@ -50,7 +51,7 @@ def arguments() -> argparse.ArgumentParser:
                         help="virtual machine: folder whose changes are kept, may be given again (default: ./runs); "
                         "what is written elsewhere is gone afterwards")  # fmt: skip
     parser.add_argument(
-        "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it (default: %(default)g s)"
+        "--timeout", type=_SECONDS, default=3600.0, metavar="S", help="for all of it (default: %(default)g s)"
     )
     parser.add_argument("--ram", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
                         help="of the virtual machine (default: 2048)")  # fmt: skip
@@ -69,16 +70,6 @@ def _interfaces(text: str) -> tuple[str, ...]:
     if not all(map(_INTERFACE.fullmatch, names)) or len(set(names)) != len(names):
         raise argparse.ArgumentTypeError(f"found {text!r}, allowed: different interface names, separated by commas")
     return names
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 1 <= seconds <= _TIMEOUT_MAX_S:
-        raise argparse.ArgumentTypeError(f"found {text!r}, allowed: 1 to {_TIMEOUT_MAX_S} s")
-    return seconds
 
 
 @contextmanager

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
-from functools import partial
-from math import nan
 
-from railhil.common.command_line import OneLineParser, whole_number
+from railhil.common.command_line import OneLineParser, number, whole_number
 from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import run_guarded
 from railhil.probability.plan import METHODS, Plan, Request, find_making
@@ -18,26 +15,14 @@ from railhil.study.command import Command, add_engine_arguments, add_folder_argu
 _VERIFIED_RUNS = 3
 
 
-def _number(is_allowed: Callable[[float], bool], allowed: str, text: str) -> float:
-    """A number of the command line; ``allowed`` says which ones are."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = nan
-    if not is_allowed(value):
-        raise argparse.ArgumentTypeError(f"found {text}, allowed {allowed}")
-    return value
-
-
-_share = partial(_number, lambda value: 0 <= value <= 1, "a probability, such as 1e-6")
-_accuracy = partial(_number, lambda value: 0 < value <= 10, "a share of P above 0, such as 0.3")
+_share = number(lambda value: 0 <= value <= 1, "a probability, such as 1e-6")
+_accuracy = number(lambda value: 0 < value <= 10, "a share of P above 0, such as 0.3")
+_many = number(lambda value: 1000 <= value <= 1e8 and value == int(value), "a whole number from 1000 to 1e8")
 
 
 def _runs(text: str) -> int:
     """A whole number, also as 1e6."""
-    return int(
-        _number(lambda value: 1000 <= value <= 1e8 and value == int(value), "a whole number from 1000 to 1e8", text)
-    )
+    return int(_many(text))
 
 
 def arguments() -> argparse.ArgumentParser:

@@ -165,12 +165,10 @@ def probability(
     :raises InputError: anything that is not allowed, in one line.
     """
     need("pyarrow", "campaign")
-    from railhil.batch import say_compiling
-    from railhil.probability.plan import Request, find_making, make_plan
+    from railhil.probability.plan import Request, find_making
     from railhil.probability.show import lines
     from railhil.probability.study import PROBABILITY
-    from railhil.study.call import make_study, say
-    from railhil.study.manifest import checked_request
+    from railhil.study.call import make_study
 
     request = Request(
         scenario=stable_name(str(scenario)),
@@ -187,15 +185,7 @@ def probability(
         method=method,
         seed=seed,
     )
-    plan = make_plan(checked_request(PROBABILITY, request, Path("railhil.probability")))
-    remark, kernel = find_making(plan)
-    if remark:
-        say(remark)
-    if kernel is not None:
-        need("numba", "campaign")
-        say_compiling(say, kernel)
-    made = make_study(PROBABILITY, plan, jobs, out)
-    PROBABILITY.report(plan, made)
+    plan, made = make_study(PROBABILITY, request, jobs, out, how=find_making)
     return ProbabilityOutcome(
         made.folder, made.summary, tuple(lines(plan, made.summary, made.folder)), plan.state.all_names
     )

@@ -12,17 +12,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from typing import Any
+from railhil.common.callable_package import stand_for
 
-from railhil.common.callable_package import CallablePackage
-
-
-def _function() -> Callable[..., Any]:
-    from railhil.library import run
-
-    return run
-
-
-sys.modules[__name__].__class__ = CallablePackage
+stand_for(__name__, "railhil.library:run")
