@@ -10,14 +10,10 @@ import fcntl
 import select
 import socket
 import time
-from collections.abc import Callable
 from struct import Struct
 from typing import Any
 
-import can
-
 from railhil.bus.frame import Frame
-from railhil.bus.link.base import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.packing import FD_SIZE, pack_frame, unpack_frames
 
@@ -46,19 +42,6 @@ class KernelLink(SingleLink):
     in again (another interface index) is reopened.
     """
 
-    def __init__(
-        self,
-        bus: can.BusABC,
-        reopen: Callable[[], can.BusABC] | None = None,
-        say: Callable[[str], None] | None = None,
-        *,
-        timeouts: Timeouts = TIMEOUTS,
-    ) -> None:
-        super().__init__(bus, reopen, say, timeouts=timeouts)
-        self._lost_before = 0
-        self._failure: OSError | None = None
-        self._use_socket()
-
     @property
     def where(self) -> str:
         """See :attr:`Link.where`."""
@@ -69,8 +52,11 @@ class KernelLink(SingleLink):
         """See :attr:`GatewayLink.has_descriptor`."""
         return True
 
-    def _use_socket(self) -> None:
+    def _use_bus(self) -> None:
         bus: Any = self.bus
+        #: Of the sockets before.
+        self._lost_before = self.counters["rx_lost"]
+        self._failure: OSError | None = None
         sock: socket.socket = bus.socket
         self._socket = sock
         self._channel = str(bus.channel)
@@ -137,11 +123,7 @@ class KernelLink(SingleLink):
             return False
         if index == self._index:
             return True
-        self._lost_before = self.counters["rx_lost"]
-        if not super()._try_again():
-            return False
-        self._use_socket()
-        return True
+        return super()._try_again()
 
 
 def is_up(channel: str) -> bool:

@@ -71,6 +71,10 @@ class SingleLink(GatewayLink):
         self._gap_ns = 0
         # Unreadable input since the last frame.
         self._unreadable = 0
+        self._use_bus()
+
+    def _use_bus(self) -> None:
+        """Take what is needed of the interface, which has been opened or opened again."""
 
     @property
     def is_down(self) -> bool:
@@ -293,6 +297,7 @@ class SingleLink(GatewayLink):
             # A driver whose device is just being plugged in may, too; the reason for the outage has already been
             # reported.
             return False
+        self._use_bus()
         return True
 
 

@@ -18,13 +18,11 @@ import select
 import termios
 import time
 from collections import deque
-from collections.abc import Callable
 from typing import Any
 
 import can
 
 from railhil.bus.frame import Frame
-from railhil.bus.link.base import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 from railhil.bus.transports import Opening
@@ -74,17 +72,6 @@ class SlcanLink(SingleLink):
         kind = cls if isinstance(port, int) else SingleLink
         return kind(bus, opening.bus, opening.say, timeouts=opening.timeouts)
 
-    def __init__(
-        self,
-        bus: can.BusABC,
-        reopen: Callable[[], can.BusABC] | None = None,
-        say: Callable[[str], None] | None = None,
-        *,
-        timeouts: Timeouts = TIMEOUTS,
-    ) -> None:
-        super().__init__(bus, reopen, say, timeouts=timeouts)
-        self._use_port()
-
     @property
     def where(self) -> str:
         """See :attr:`Link.where`."""
@@ -100,7 +87,7 @@ class SlcanLink(SingleLink):
         """See :attr:`GatewayLink.has_rest`."""
         return bool(self._rest)
 
-    def _use_port(self) -> None:
+    def _use_bus(self) -> None:
         serial: Any = self.bus
         self._port = str(serial.serialPortOrig.port)
         # When closing, python-can sends a command to the adapter, and would wait for ever if the adapter accepts
@@ -319,9 +306,3 @@ class SlcanLink(SingleLink):
             self._go_out(reason, bus_off=True)
         elif not flags & _BUS_ERROR and self._outage is not None and self._outage.bus_off:
             self._came_back()
-
-    def _try_again(self) -> bool:
-        if not super()._try_again():
-            return False
-        self._use_port()
-        return True

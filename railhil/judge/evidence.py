@@ -10,7 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.dbc import ContractError
 from railhil.judge.events.event import EVENTS
 from railhil.judge.record import Record, checked_record
-from railhil.judge.rerun import SIGNALS, blf_difference, document_changes, events_difference, signals_difference
+from railhil.judge.rerun import SIGNALS, blf_difference, csv_difference, document_changes
 from railhil.record.documents import CERTIFICATE, FAULT_TABLE, read_fault_table
 from railhil.record.framelog import LOG_NAME
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST, Changed, changed_files, listed_files, read_hash_list
@@ -122,11 +122,11 @@ def _check_record(folder: Path, place: str, seen: Checked) -> None:
         seen.remarks += record.notes
         found = [blf_difference(record)]
         changes = document_changes(record.certificate, "the record")
-        for name, difference in ((SIGNALS, signals_difference), (EVENTS, events_difference)):
+        for name in (SIGNALS, EVENTS):
             if changes and (folder / name).is_file():
                 seen.unchecked.append(f"{place}{name}: not compared with the log: {changes[0]}")
             else:
-                found.append(difference(record))
+                found.append(csv_difference(record, name))
         seen.has_telemetry |= (folder / TELEMETRY).is_file()
         seen.problems += [f"{place}{said}" for said in found if said]
     except (InputError, ContractError) as error:

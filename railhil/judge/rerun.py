@@ -12,7 +12,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.judge.cross_check import check_folder
-from railhil.judge.events.event import EVENTS, write_events
+from railhil.judge.events.event import write_events
 from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.record import Record, checked_record
 from railhil.judge.signals import write_signals
@@ -181,34 +181,21 @@ def blf_difference(record: Record) -> str:
     return "" if found is None else f"{BLF}: other frames than {record.log.name}: {found.sentence}"
 
 
-def signals_difference(record: Record) -> str:
-    """The first value in which ``signals.csv`` differs from the log; empty: no difference, or no such file.
+def csv_difference(record: Record, name: str) -> str:
+    """The first value in which ``signals.csv`` or ``events.csv`` differs from the log; empty: no difference, or no such
+    file.
 
     The file was made by the code of the record, and other code may give other values.
     """
-    path = record.log.with_name(SIGNALS)
+    path = record.log.with_name(name)
     if not path.is_file():
         return ""
     with TemporaryDirectory(prefix="railhil-") as private:
-        again = Path(private) / SIGNALS
-        write_signals(record.scenario, record.trace, again, record.certificate.get("notes"))
-        if again.read_bytes() == path.read_bytes():
-            return ""
-        return next(_other_values(path, again, record.log.name), "")
-
-
-def events_difference(record: Record) -> str:
-    """The first value in which ``events.csv`` differs from the log and the faults of the certificate; empty: no
-    difference, or no such file.
-
-    The file was made by the code of the record, and other code may give other events.
-    """
-    path = record.log.with_name(EVENTS)
-    if not path.is_file():
-        return ""
-    with TemporaryDirectory(prefix="railhil-") as private:
-        again = Path(private) / EVENTS
-        write_events(record.events, again)
+        again = Path(private) / name
+        if name == SIGNALS:
+            write_signals(record.scenario, record.trace, again, record.certificate.get("notes"))
+        else:
+            write_events(record.events, again)
         if again.read_bytes() == path.read_bytes():
             return ""
         return next(_other_values(path, again, record.log.name), "")
