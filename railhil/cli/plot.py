@@ -41,7 +41,7 @@ def work(namespace: argparse.Namespace) -> int:
     if points < _POINTS_MIN:
         raise InputError(record.log, truth, points, f"at least {_POINTS_MIN} telegrams to draw")
     out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
-    if out.suffix not in _SUFFIXES:
+    if out.suffix.lower() not in _SUFFIXES:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
     with refuse_unwritable("--out", out, "file"), whole_file(out) as draft:
         draw(record.scenario, trace, draft)

@@ -234,7 +234,7 @@ def compare_with_certificate(path: Path, spec: RunSpec, result: Result) -> str:
     """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
     changed run."""
     if (
-        path.suffix != ".json"
+        path.suffix.lower() != ".json"
         or spec.is_realtime
         or spec != RunSpec.from_file(path, NamedCode(spec.plant_fmu, spec.law.given))
     ):

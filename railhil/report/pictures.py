@@ -104,7 +104,7 @@ def save(figure: Figure, out: Path, title: str) -> None:
     :raises OSError: it cannot be written.
     """
     with drawing():
-        sheet(figure, title).savefig(out, metadata={"Date": None} if out.suffix == ".svg" else None)
+        sheet(figure, title).savefig(out, metadata={"Date": None} if out.suffix.lower() == ".svg" else None)
 
 
 def _rows(charts: Sequence[Chart]) -> list[list[Chart]]:

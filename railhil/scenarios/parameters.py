@@ -177,7 +177,7 @@ def load_parameters(path: Path) -> ParameterSet:
     """
     with refuse_unreadable(path, "a parameter file (TOML)"):
         text = given_text(path)
-        if path.suffix == ".json":
+        if path.suffix.lower() == ".json":
             return _read_json(path, text)
         content = parse_toml(text)
     file = validate(_File, content, lambda keys: path)

@@ -157,7 +157,7 @@ def file_layer(path: Path, faults: Faults, code: NamedCode = NO_CODE) -> Layer:
 
     :param code: that the command line names.
     """
-    stored = path.suffix == ".json"
+    stored = path.suffix.lower() == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
         values = restore_asked(_read_table(path, stored)) if stored else _read_table(path, stored)

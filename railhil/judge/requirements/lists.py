@@ -69,7 +69,10 @@ def write_results(source: Path, results: Mapping[str, Result], out: Path) -> Non
     :raises InputError: as :func:`read_list`.
     :raises OSError: the copy cannot be written.
     """
-    copy = _opened(source).with_results(results)
+    try:
+        copy = _opened(source).with_results(results)
+    except ValueError as error:
+        raise InputError(source, "", Words("cannot be written"), str(error)) from None
     with whole_file(out) as draft:
         draft.write_text(copy, encoding="utf-8", newline="\n")
 
@@ -144,7 +147,7 @@ class _ReqIf:
         return {one.identifier: one.long_name or one.identifier for one in definitions}
 
     def with_results(self, results: Mapping[str, Result]) -> str:
-        """The text of the copy."""
+        """The text of the copy; raises ValueError for attributes of another type."""
         objects = self._need("models.reqif_spec_object")
         string = self._need("models.reqif_types").SpecObjectAttributeType.STRING
         for name, thing in self._objects.items():
@@ -158,10 +161,12 @@ class _ReqIf:
 
     def _definition(self, thing: Any, key: str, string: Any) -> str:
         """Identifier of the definition of an attribute for the type of an object; made if there is none."""
-        known = {name: identifier for identifier, name in self._names(thing).items()}
-        if key in known:
-            return known[key]
         kind = self._types[thing.spec_object_type]
+        for known in kind.attribute_definitions or ():
+            if known.long_name == key:
+                if known.attribute_type != string:
+                    raise ValueError(f"{key} of the type string, or no such attribute")
+                return str(known.identifier)
         types = self._need("models.reqif_data_type")
         now = datetime.now(UTC).isoformat(timespec="seconds")
         self._content.data_types = self._content.data_types or []
@@ -211,7 +216,9 @@ class _StrictDoc:
             raise InputError("requirements", "", Words("not installed"), told) from None
 
     def with_results(self, results: Mapping[str, Result]) -> str:
-        """The text of the copy."""
+        """The text of the copy; raises ValueError for a grammar in another file."""
+        if self._document.grammar.import_from_file:
+            raise ValueError("a document with its own grammar, not IMPORT_FROM_FILE")
         for name, node in self._nodes.items():
             for key, value in _attributes(results.get(name)).items():
                 if value:

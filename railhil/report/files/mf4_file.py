@@ -11,6 +11,7 @@ import numpy as np
 from asammdf import MDF, Signal
 from asammdf.blocks import v4_constants as v4
 from asammdf.blocks.source_utils import Source
+from can.util import len2dlc
 
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.dbc import DBC
@@ -73,7 +74,7 @@ def _frame_rows(kind: str, frames: list[Frame]) -> np.ndarray[Any, Any]:
         "BusChannel": np.full(len(frames), _BUS_CHANNEL, "<u1"),
         "ID": np.array([frame.can_id for frame in frames], "<u4"),
         "IDE": np.array([frame.flags & EXTENDED for frame in frames], "<u1"),
-        "DLC": np.array([_length_code(len(frame.data)) for frame in frames], "<u1"),
+        "DLC": np.array([len2dlc(len(frame.data)) for frame in frames], "<u1"),
         "DataLength": np.array([len(frame.data) for frame in frames], "<u1"),
         "Dir": np.zeros(len(frames), "<u1"),
     }
@@ -88,15 +89,6 @@ def _frame_rows(kind: str, frames: list[Frame]) -> np.ndarray[Any, Any]:
     for name, values in columns.items():
         rows[f"{kind}.{name}"] = values
     return rows
-
-
-def _length_code(length: int) -> int:
-    """Data length code of CAN FD."""
-    return (
-        length
-        if length <= 8
-        else next(code for code, most in enumerate((12, 16, 20, 24, 32, 48, 64), 9) if length <= most)
-    )
 
 
 def _append_ports(file: MDF, content: Content) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -97,6 +98,16 @@ def test_results_are_attributes_of_a_copy_that_keeps_all_else(reqif: Path, tmp_p
         assert second.read_text().count(text) == 1
 
 
+def test_an_attribute_of_another_type_is_not_written_to(reqif: Path, tmp_path: Path) -> None:
+    write_results(reqif, {}, reqif)
+    text = reqif.read_text(encoding="utf-8")
+    (made,) = re.findall(rf"<ATTRIBUTE-DEFINITION-STRING [^>]*{VERDICT}.*?</ATTRIBUTE-DEFINITION-STRING>", text, re.S)
+    reqif.write_text(text.replace(made, made.replace("STRING", "XHTML")), encoding="utf-8")
+    with pytest.raises(InputError, match="cannot be written, expected RAILHIL_VERDICT of the type string"):
+        write_results(reqif, {"ATO-5": Result("PASSED", "x")}, tmp_path / "out.reqif")
+    assert not (tmp_path / "out.reqif").exists()
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -147,6 +158,11 @@ def test_a_list_of_strictdoc_is_read_and_written(tmp_path: Path) -> None:
     write_results(first, {"ATO-12": Result("FAILED", "x")}, second)
     assert "PASSED" not in second.read_text()
     assert "UID: ATO-12\nRAILHIL_VERDICT: FAILED\nRAILHIL_EVIDENCE: x\n" in second.read_text()
+    head, _, nodes = SDOC.partition("[GRAMMAR]")
+    imported = "[GRAMMAR]\nIMPORT_FROM_FILE: train.sgra\n\n[REQUIREMENT]" + nodes.partition("[REQUIREMENT]")[2]
+    path.write_text(head + imported)
+    with pytest.raises(InputError, match=r"train\.sdoc: cannot be written, expected a document with its own grammar"):
+        write_results(path, {"ATO-5": Result("PASSED", "by a test")}, second)
     path.write_text("[DOCUMENT]\nnothing\n")
     with pytest.raises(InputError, match=r"train\.sdoc: cannot be read, expected a StrictDoc file"):
         read_list(path)
