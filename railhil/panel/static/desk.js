@@ -19,7 +19,7 @@ export class Desk {
     this.grid = GridStack.init({ column: COLUMNS, margin: 4, animate: false, handle: ".handle", resizable: { handles: "se,s,e" },
       columnOpts: { breakpoints: [{ w: 800, c: 1 }], layout: "list" } }, place);
     for (const name of ["dragstop", "resizestop"]) this.grid.on(name, () => this.keep());
-    this.watch = new MutationObserver(() => this.show());
+    this.watch = new MutationObserver(() => this.show(false));
     place.addEventListener("keydown", (event) => this.move(event));
     addEventListener("resize", () => this.fit());
     new ResizeObserver(() => this.fit()).observe(place.previousElementSibling);
@@ -35,17 +35,15 @@ export class Desk {
 
   // shipped: [{name, tiles: [[id, w, h]]}]; tiles: [[id, element]]; a tile whose element is hidden has no place.
   begin(system, shipped, tiles) {
+    const isNew = system !== this.system;
     this.system = system;
     this.shipped = new Map(shipped.map(({ name, tiles: named }) => [name, { tiles: named.map(([id, w, h]) => ({ id, w, h })), hidden: [] }]));
-    this.set(tiles);
-  }
-
-  set(tiles) {
-    for (const box of this.tiles.values()) this.drawer.append(box);
+    const before = this.tiles;
     this.tiles = new Map(tiles);
+    for (const [id, box] of before) if (this.tiles.get(id) !== box) box.remove();
     this.watch.disconnect();
     for (const [, box] of tiles) this.watch.observe(box, { attributeFilter: ["hidden"] });
-    this.show();
+    this.show(isNew);
   }
 
   // The arrangement that is chosen; its own form stands before the shipped one of the same name.
@@ -55,16 +53,22 @@ export class Desk {
     return { names, name, desk: this.own.desks[name] ?? this.shipped.get(name) ?? { tiles: [], hidden: [] } };
   }
 
-  show() {
-    const { names, name, desk } = this.chosen, { grid } = this, items = grid.getGridItems();
+  // isAnew: everything takes its place in the arrangement; otherwise what is there stays where it is.
+  show(isAnew = true) {
+    const { names, name, desk } = this.chosen, { grid } = this;
     this.own.chosen = name;
     const there = [...this.tiles].filter(([, box]) => !box.hidden).map(([id]) => id), shown = there.filter((id) => !desk.hidden.includes(id));
-    for (const box of this.tiles.values()) this.drawer.append(box);
     grid.batchUpdate();
-    for (const item of items) grid.removeWidget(item);
+    const stay = new Set();
+    for (const item of grid.getGridItems()) {
+      const { id } = item.gridstackNode, box = this.tiles.get(id);
+      if (!isAnew && shown.includes(id) && item.contains(box)) { stay.add(id); continue; }
+      if (item.contains(box)) this.drawer.append(box);
+      grid.removeWidget(item);
+    }
     const placed = desk.tiles.filter((one) => shown.includes(one.id));
     const rest = shown.filter((id) => !placed.some((one) => one.id === id)).map((id) => ({ id, ...OTHER }));
-    for (const one of [...placed, ...rest]) grid.makeWidget(this.place.appendChild(this.wrap(one.id)), { ...one });
+    for (const one of [...placed, ...rest].filter(({ id }) => !stay.has(id))) grid.makeWidget(this.place.appendChild(this.wrap(one.id)), { ...one });
     grid.batchUpdate(false);
     this.fit();
     this.tools.name.replaceChildren(...names.map((one) => element("option", { value: one },
@@ -111,7 +115,7 @@ export class Desk {
   hide(id, is) {
     const { hidden } = this.chosen.desk;
     this.keep(is ? [...hidden, id] : hidden.filter((one) => one !== id));
-    this.show();
+    this.show(false);
   }
 
   // What stands on the screen; a narrow one shows the arrangement in one column.

@@ -1,8 +1,9 @@
 // Numbers, lamps, events and frames: the page's text.
-const shownNumber = (value, unit) => {
-  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+const shownNumber = (value, isCount) => {
+  if (Number.isNaN(value)) return "–";
+  if (isCount && Number.isInteger(value)) return String(value);
   const digits = Math.abs(value) >= 1000 ? 0 : Math.abs(value) >= 100 ? 1 : 2;
-  return `${value.toFixed(digits)}${unit ? ` ${unit}` : ""}`;
+  return value.toFixed(digits);
 };
 
 export const element = (tag, attributes = {}, text = "") => {
@@ -62,7 +63,7 @@ export class Gauges {
       const row = rows[which], number = row < 0 ? NaN : stores[which].values[at][row];
       const words = Object.keys(column.words).length;
       const text = words && !Number.isNaN(number) ? (column.words[number] ?? number).toString().replaceAll("_", " ")
-        : shownNumber(number);
+        : shownNumber(number, !column.unit && column.kind !== "note");
       if (value.textContent !== text) value.textContent = text;
       if (column.kind === "level") box.classList.toggle("raised", number > 0);
     }
@@ -147,5 +148,3 @@ export function showFrames(place, frames, chosen, onChoose) {
     });
   });
 }
-
-export { shownNumber };
