@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,14 @@ import pyarrow as pa
 
 from railhil.campaign.distributions import distributions
 from railhil.campaign.plan import Plan, make_plan
-from railhil.campaign.show import noted_words
+from railhil.campaign.show import failure_sentences, headline, invalid_runs, noted_words, tables, texts_of
 from railhil.campaign.study import CAMPAIGN
 from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
-from railhil.judge.judging import Judging, Noted
+from railhil.judge.judging import Judging
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.report.templates import render_page, write_html
+from railhil.report.study_page import Link, Table, study_page
+from railhil.report.templates import write_html
 from railhil.scenarios.given import RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary
@@ -25,6 +27,10 @@ from railhil.study.manifest import Manifest, read_manifest
 
 #: Folder inside the campaign's folder for runs that are made again.
 _AGAIN = "worst"
+_WORST_NOTE = (
+    "The command makes a run again on the bench, with log and report. Given in the campaign's folder it puts the run "
+    "where this page finds it: written again (railhil report FOLDER), the page links it."
+)
 
 
 def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, railhil: str) -> str:
@@ -34,61 +40,47 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, 
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
-    return render_page(
-        "campaign.html.j2",
-        "railhil.campaign",
-        summary=summary,
-        title=plan.scenario.title,
-        asked=plan.judging.asked(plan.scenario),
-        railhil=railhil,
-        columns=plan.criteria,
-        rows=[_row(plan, label, law) for label, law in summary["laws"].items()],
-        worst=[
-            _worst(label, run, folder, plan.judging) for label, law in summary["laws"].items() for run in law["worst"]
-        ],
-        spread_picture=distributions(summary, plan.criteria, table),
-    )
-
-
-def _row(plan: Plan, label: str, law: Mapping[str, Any]) -> dict[str, Any]:
-    cells = []
-    for criterion in plan.criteria:
-        score = law["scores"][criterion.key]
-        values = [score[name]["value"] for name in ("median", "p95")]
-        cells.append(", ".join(criterion.shown(None if value is None else float(value)) for value in values))
-    invalid = law["invalid"]["reasons"] if "invalid" in law else {}
-    kinds = [*law["failures"].items(), *((f"INVALID: {kind}", count) for kind, count in invalid.items())]
-    failures = "; ".join(f"{kind} ({count})" for kind, count in kinds)
-    return {
-        "label": label,
-        "cells": cells,
-        "passed": percent(law["inside"]["pass"]["share"]),
-        "failures": failures,
-        "noted": [words for one in plan.judging.noted if (words := _noted(one, law[one.key]))],
-    }
-
-
-def _noted(noted: Noted, found: Sequence[Mapping[str, Any]]) -> str:
-    """Runs by what is noted of them, such as their worst stop, in words."""
-    words = [
-        f"{one['name']} in {count_of(one['runs'], 'run')}"
-        + ("" if one[noted.value_key] is None else f" (largest {one[noted.value_key]:+.{noted.digits}f} {noted.unit})")
-        for one in found
+    judging = plan.judging
+    lead = f"{headline(summary)}: {judging.asked(plan.scenario)}. Begun with railhil {railhil}."
+    worst = [_worst(label, run, folder, judging) for label, law in summary["laws"].items() for run in law["worst"]]
+    parts = [
+        *failure_sentences(summary),
+        distributions(summary, plan.criteria, table),
+        *(_table(place, made) for place, made in enumerate(tables(summary, judging), 1)),
+        Table("worst", "Worst runs", ("law", "seed", "why", "command"), worst, "sources", _WORST_NOTE),
     ]
-    return f"{noted.title}: {'; '.join(words)}" if words else ""
+    title = f"Campaign on {plan.scenario.title}"
+    return study_page(title, lead, parts, [*_verdicts(summary)], [f"{text}." for text in summary["warnings"]])
 
 
-def _worst(label: str, run: Mapping[str, Any], folder: Path, judging: Judging) -> dict[str, Any]:
+def _verdicts(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """A badge for each law: PASS if each of its runs that says something has passed."""
+    for label, law in summary["laws"].items():
+        passed, said = law["inside"]["pass"], summary["runs"] - invalid_runs(law)
+        low, high = passed["interval"]
+        badge = "INVALID" if not said else "PASS" if passed["runs"] == said else "FAIL"
+        of = f"of {count_of(summary['runs'], 'run', spec=',')}"
+        interval = f"{summary['confidence']:.0%} interval {100 * low:.2f} to {100 * high:.2f}%"
+        yield badge, f"{label}: {percent(passed['share'])} {of} pass, {interval}"
+
+
+def _table(place: int, made: Any) -> Table:
+    """A table of the terminal; each row names its law."""
+    heads, rows = texts_of(made)
+    for before, row in pairwise(rows):
+        row[0] = row[0] or before[0]
+    return Table(f"table-{place}", str(made.title), heads, rows)
+
+
+def _worst(label: str, run: Mapping[str, Any], folder: Path, judging: Judging) -> list[str | Link]:
     place = f"{_AGAIN}/{label}-{run['seed']}"
-    report = f"{place}/{REPORT}"
-    return {
-        "name": f"{label}-{run['seed']}",
-        "label": label,
-        "seed": run["seed"],
-        "why": "; ".join([", ".join(run["why"]), *noted_words(run, judging), *run["failures"]]),
-        "command": f"{run['command']} --out {shlex.quote(place)}",
-        "link": report if (folder / report).is_file() else "",
-    }
+    report, seed = f"{place}/{REPORT}", str(run["seed"])
+    return [
+        label,
+        Link(seed, report) if (folder / report).is_file() else seed,
+        "; ".join([", ".join(run["why"]), *noted_words(run, judging), *run["failures"]]),
+        f"{run['command']} --out {shlex.quote(place)}",
+    ]
 
 
 def _recorded(begun: Manifest, file: Path) -> dict[str, RecordedController]:

@@ -79,9 +79,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
     made = titled_table(title, ("law",), heads)
     for label, law in summary["laws"].items():
         shares = [_share(law["inside"][key]) for key in (*inside, "pass")]
-        made.add_row(
-            label, *shares, *(f"{_invalid_runs(law):,}" for _ in invalid), *(f"{law[key]:,}" for key in counts)
-        )
+        made.add_row(label, *shares, *(f"{invalid_runs(law):,}" for _ in invalid), *(f"{law[key]:,}" for key in counts))
     return made
 
 
@@ -142,19 +140,19 @@ def noted_words(run: Mapping[str, Any], judging: Judging) -> list[str]:
     return [words for one in judging.noted if (words := one.shown(run[one.key], run[one.value_key]))]
 
 
-def _failures(summary: Mapping[str, Any]) -> Iterator[str]:
+def failure_sentences(summary: Mapping[str, Any]) -> Iterator[str]:
     """Number of runs and reasons, for each law that has failed or has runs that say nothing about it."""
     runs = count_of(summary["runs"], "run", spec=",")
     for label, law in summary["laws"].items():
-        if failed := summary["runs"] - law["inside"]["pass"]["runs"] - _invalid_runs(law):
+        if failed := summary["runs"] - law["inside"]["pass"]["runs"] - invalid_runs(law):
             kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["failures"].items())
             yield f"{label}: FAIL in {failed:,} of {runs}: {kinds}"
-        if invalid := _invalid_runs(law):
+        if invalid := invalid_runs(law):
             kinds = "; ".join(f"{kind} ({count:,})" for kind, count in law["invalid"]["reasons"].items())
             yield f"{label}: INVALID in {invalid:,} of {runs}: {kinds}"
 
 
-def _invalid_runs(law: Mapping[str, Any]) -> int:
+def invalid_runs(law: Mapping[str, Any]) -> int:
     """Number of runs that say nothing about the controller."""
     return int(law["invalid"]["runs"]) if "invalid" in law else 0
 
@@ -185,6 +183,13 @@ def passed(summary: Mapping[str, Any]) -> str:
     return ", ".join(f"{label} PASS {percent(share)}" for label, share in shares.items())
 
 
+def texts_of(made: Table) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of a table as texts."""
+    heads = [str(column.header).replace("\n", " ") for column in made.columns]
+    columns = [[str(text) for text in column.cells] for column in made.columns]
+    return heads, [list(row) for row in zip(*columns, strict=True)]
+
+
 def cell_html(summary: Mapping[str, Any], judging: Judging, figure: Figure, folder: Path) -> str:
     """A campaign in a cell of a notebook.
 
@@ -192,11 +197,9 @@ def cell_html(summary: Mapping[str, Any], judging: Judging, figure: Figure, fold
     """
     found = [html_paragraph(text) for text in (headline(summary), *summary["warnings"], passed(summary))]
     for made in tables(summary, judging):
-        heads = [str(column.header).replace("\n", " ") for column in made.columns]
-        rows = zip(*([str(text) for text in column.cells] for column in made.columns), strict=True)
         numbers = [place for place, column in enumerate(made.columns) if column.justify == "right"]
-        found.append(html_table(str(made.title), heads, rows, numbers))
-    found += [html_paragraph(sentence) for sentence in _failures(summary)]
+        found.append(html_table(str(made.title), *texts_of(made), numbers))
+    found += [html_paragraph(sentence) for sentence in failure_sentences(summary)]
     return html_cell(*found, html_figure(figure), html_paragraph(str(folder)))
 
 
@@ -211,7 +214,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str 
         yield ""
     if any(law.get("not_stopped") for law in summary["laws"].values()):
         yield "A run that did not stop counts as infinitely bad in the quantiles of scores that it lacks."
-    yield from _failures(summary)
+    yield from failure_sentences(summary)
     yield styled("Worst runs, and the command that makes each again on the bench", "bold")
     for label, law in summary["laws"].items():
         for run in law["worst"]:

@@ -22,6 +22,7 @@ from railhil.scenarios.options import add_option, add_options
 _STUDIES = {
     "campaign.json": "railhil.campaign.report",
     "hunt.json": "railhil.hunt.study",
+    "learn.json": "railhil.sequences.report",
     "probability.json": "railhil.probability.study",
 }
 
@@ -40,7 +41,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "folder",
         nargs="+",
         metavar="DIR",
-        help="run folder, or the folder of a comparison, of fault tables, a campaign, a hunt or a probability",
+        help="run folder, or the folder of a comparison, of fault tables, a study or a sequence",
     )
     add_options(parser, "--scenario", "--no-return")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")

@@ -12,7 +12,8 @@ import numpy as np
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
-from railhil.report.templates import render_page, write_html
+from railhil.report.study_page import study_page
+from railhil.report.templates import write_html
 
 _HEIGHT_PX, _BAR_PX = 200, 22
 #: Causes with a smaller share have no bar.
@@ -21,16 +22,10 @@ _CAUSE_MIN = 0.005
 
 def page(plan: Plan, summary: Mapping[str, Any]) -> str:
     """The report as one HTML document without external references."""
-    first, *told = lines(plan, summary, Path())
-    return render_page(
-        "probability.html.j2",
-        "railhil.probability",
-        title=f"Probability on {plan.scenario.title}",
-        says=plan.requirement.says,
-        lead=first,
-        lines=[line.strip() for line in told],
-        pictures=[one for one in (_levels(summary), _repetitions(summary), _causes(summary)) if one is not None],
-    )
+    first, *told = (line.strip() for line in lines(plan, summary, Path()))
+    figures = [one for one in (_levels(summary), _repetitions(summary), _causes(summary)) if one is not None]
+    title = f"Probability on {plan.scenario.title}"
+    return study_page(title, f"{first}: {plan.requirement.says}", [*told[:-1], *figures], warnings=told[-1:])
 
 
 def _levels(summary: Mapping[str, Any]) -> Figure | None:

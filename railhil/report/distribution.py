@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,6 +19,8 @@ from railhil.report.styles import Style, styles
 _POINTS = 300
 #: Charts beside each other.
 _ACROSS = 2
+#: Parts of an axis below this share of it have a chart of their own.
+_SMALL = 0.125
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +112,37 @@ def _allowed(spread: Spread) -> str:
 
 def picture(spreads: Sequence[Spread], looks: Mapping[str, Style]) -> Figure:
     """The distributions, a chart for each score."""
-    caption = "Share of the runs whose score is at most the value; dotted: what the scenario allows."
-    charts = [_chart(spread, looks) for spread in spreads]
+    caption = (
+        "Share of the runs whose score is at most the value; dotted: what the scenario allows. Where most runs of a "
+        "law lie in a small part of the axis, a further chart shows that part."
+    )
+    charts = [chart for spread in spreads for chart in _charts(spread, looks)]
     return Figure("distributions", "Distributions of the scores", caption, charts)
+
+
+def _small_parts(spread: Spread) -> list[tuple[float, float]]:
+    """The parts of the axis, each small, in which 90 % of the runs of a law lie; overlapping ones are one."""
+    known = [own for values in spread.values.values() if len(own := values[np.isfinite(values)])]
+    least, most = (figure([figure(own) for own in known], default=0.0) for figure in (min, max))
+    found: list[tuple[float, float]] = []
+    for low, high in sorted(np.quantile(own, (0.05, 0.95)).tolist() for own in known):
+        if high - low >= _SMALL * (most - least):
+            continue
+        if found and low <= found[-1][1]:
+            before = found.pop()
+            low, high = before[0], max(high, before[1])
+        found.append((low, high))
+    return found
+
+
+def _charts(spread: Spread, looks: Mapping[str, Style]) -> Iterator[Chart]:
+    whole = _chart(spread, looks)
+    yield whole
+    for low, high in _small_parts(spread):
+        margin = (high - low) or 1e-3 * abs(high) or 1e-3
+        yield replace(
+            whole, y_label=f"runs (%), detail at {(low + high) / 2:.3g}", x_bounds=(low - margin, high + margin)
+        )
 
 
 def _chart(spread: Spread, looks: Mapping[str, Style]) -> Chart:

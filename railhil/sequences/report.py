@@ -9,17 +9,20 @@ from typing import Any
 
 import pyarrow as pa
 
+from railhil.common.digits import count_of, percent
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
-from railhil.report.templates import render_page, write_html
+from railhil.report.study_page import Table, study_page
+from railhil.report.templates import write_html
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import figures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
+from railhil.study.finished import finished_rows, finished_summary, repeated_plan
 from railhil.study.table import row as row_of
 
 
@@ -28,17 +31,42 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
 
     :param table: rows of ``results.parquet``.
     """
-    return render_page(
-        "learn.html.j2",
-        "railhil.sequences",
-        summary=summary,
-        title=plan.scenario.title,
-        asked=plan.judging.asked(plan.scenario),
-        converged=[converged(one, summary["sequences"]) for one in summary["measures"].values()],
-        pictures=figures(plan, table),
-        examples=_examples(plan, table),
-        facts=_facts(plan, summary),
+    kind = "perturbed" if summary["perturbed"] else "nominal"
+    runs = f"{count_of(summary['sequences'], 'sequence')} of {count_of(summary['runs'], f'{kind} run')}"
+    lead = (
+        f"{runs} of {summary['law']} in {summary['arithmetic']}: {plan.judging.asked(plan.scenario)}. Each sequence "
+        "begins with nothing and keeps what it has learned."
     )
+    measures = summary["measures"].values()
+    said = [f"{text[0].upper()}{text[1:]}." for text in (converged(one, summary["sequences"]) for one in measures)]
+    examples = _examples(plan, table)
+    parts = [
+        *map(_by_run, measures),
+        *figures(plan, table),
+        *(["Two runs of the first sequence:"] if examples else []),
+        *examples,
+        Table("facts", "Facts", (), _facts(plan, summary), "facts"),
+    ]
+    counts = [(verdict, count_of(count, "run")) for verdict, count in summary["verdicts"].items()]
+    return study_page(f"Learning on {plan.scenario.title}", lead, parts, counts, said)
+
+
+def _by_run(measure: Mapping[str, Any]) -> Table:
+    """The table of a measure by the number of the run."""
+    keys = {"mean": "mean", "mean_error": "mean error", "rms": "rms", "median_error": "median error", "p95": "95 %"}
+    unit = measure["unit"]
+    heads = ["run", *keys.values(), *(f"within {limit} {unit}" for limit in measure["last"]["within"]), "with a value"]
+    rows = [
+        [
+            str(row.get("run", f"last {row.get('of')}")),
+            *("-" if row[key] is None else f"{row[key]:.3f}" for key in keys),
+            *(percent(share, 1) for share in row["within"].values()),
+            f"{row['with_a_value']} of {row['runs']}",
+        ]
+        for row in (*measure["by_run"], measure["last"])
+    ]
+    title = f"{measure['title'].capitalize()} by the number of the run ({unit})"
+    return Table(f"by-run-{measure['title'].replace(' ', '-')}", title, heads, rows)
 
 
 def _facts(plan: Plan, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -87,3 +115,15 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
 def write_page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, path: Path) -> None:
     """Write the report. Raises OSError."""
     write_html(page(plan, summary, table), path)
+
+
+def report_of(folder: Path, out: Path) -> None:
+    """Write the report of a finished study from its folder.
+
+    :raises InputError: the study is not finished, damaged, changed, or of a scenario that has changed since.
+    :raises OSError: it cannot be written.
+    """
+    from railhil.sequences.study import LEARN
+
+    plan, _ = repeated_plan(LEARN, folder)
+    write_page(plan, finished_summary(LEARN, folder), finished_rows(LEARN, plan, folder), out)

@@ -41,10 +41,10 @@ def converged(measure: Mapping[str, Any], sequences: int) -> str:
     inside = f"{count_of(found['in_a_row'], 'run')} in a row within {found['limit']:g} {measure['unit']}"
     if not found["sequences"]:
         return f"no sequence had {inside}"
-    most = "more than there were" if found["p90"] is None else f"{found['p90']:.0f}"
+    most = "more than there were" if found["p90"] is None else f"at most {found['p90']:.0f}"
     median = "more than there were" if found["median"] is None else f"{found['median']:.0f}"
     return (
-        f"runs until the first of {inside}: median {median}, in 90 % of the sequences at most {most} "
+        f"runs until the first of {inside}: median {median}, in 90 % of the sequences {most} "
         f"({found['sequences']} of {sequences} came to it)"
     )
 
