@@ -14,6 +14,7 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
+from hil_tests.support.cli import railhil
 from hil_tests.support.dask_cluster import loopback_cluster
 from hil_tests.support.remembering import Learning
 from railhil.common.errors import InputError
@@ -64,6 +65,9 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     # A single file that opens offline, the same for the same results.
     assert not re.search(r"(?:src|href)=.https?:|url\(https?:|@import", page)
     assert str(tmp_path) not in page
+    out = tmp_path / "again.html"
+    assert railhil("report", tmp_path / "one", "--out", out).exit_code == PASS
+    assert out.read_text() == page
     (tmp_path / "one" / "report.html").unlink()
     assert COMMAND.main(["--resume", str(tmp_path / "one"), "--jobs", "1"]) == PASS
     assert (tmp_path / "one" / "report.html").read_text() == page
