@@ -58,7 +58,7 @@ def work(namespace: argparse.Namespace) -> int:
     check_out(out)
     check_key(namespace.sign)
     found = make_dossier(
-        namespace.folder, named_requirements(namespace.requirements), namespace.key, namespace.validation,
+        namespace.folder, named_requirements(namespace.requirements, prose=True), namespace.key, namespace.validation,
         facts({}, choose_bus({})),
     )  # fmt: skip
     with refuse_unwritable("--out", out, "folder"):

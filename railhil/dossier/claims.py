@@ -219,8 +219,8 @@ def _missing(claim: Claim, by_number: Mapping[int, Evidence], verdict: str) -> I
     ):
         if verdict != SHOWN and (runs := [run.evidence for run in claim.of(word)]):
             yield f"{word} in {count_of(len(runs), 'run')} ({why}): {named(runs)}"
-    if claim.requirement is None:
-        yield "no sentence and no text: it rests on the assertions of its tests"
+    if claim.requirement is None or not claim.requirement.says:
+        yield "no sentence: it rests on the assertions of its tests"
     for test in claim.tests:
         if test.result == UNSHOWN:
             yield f"test {test.name}: {test.outcome}"

@@ -210,13 +210,13 @@ def make_dossier(
 ) -> Dossier:
     """Check and read all folders.
 
-    :param listed: the requirements that the assessment is about, by which each run is judged, too.
+    :param listed: the requirements that the assessment is about; each run is judged by those with a sentence, too.
     :param key: that must have signed; None: a signature is not asked for.
     :param validation: folder of the results of railhil's own tests.
     :param doctor: versions and properties of this machine, unless the validation has them.
     :raises InputError: a folder has no evidence, or a file that is no evidence cannot be read.
     """
-    evidence = list(read_evidence(folders_of(given), listed, key))
+    evidence = list(read_evidence(folders_of(given), [one for one in listed if one.says], key))
     tests = read_tests(test_files(given, evidence), evidence)
     found = None if validation is None else read_validation(validation)
     written = {

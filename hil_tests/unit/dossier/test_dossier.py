@@ -15,9 +15,11 @@ from hypothesis import strategies as st
 import railhil
 from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.cli import Railhil, complaint
+from hil_tests.support.requirement_lists import reqif_text
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN
 from railhil.dossier.dossier import Dossier, make_dossier
+from railhil.dossier.page import page
 from railhil.judge.requirements.requirement import named_requirements
 from railhil.judge.requirements.sentence import VIOLATED
 from railhil.record.hash_list import read_hash_list, write_hash_list
@@ -68,7 +70,7 @@ def rules(tmp_path: Path) -> Path:
 
 
 def _of(folder: Path, rules: Path | None = None, key: Path | None = None, validation: Path | None = None) -> Dossier:
-    listed = () if rules is None else named_requirements([rules])
+    listed = () if rules is None else named_requirements([rules], prose=True)
     return make_dossier([folder], listed, key, validation)
 
 
@@ -194,6 +196,22 @@ def test_a_passed_test_shows_its_requirement_if_its_runs_are_there_and_check(cop
     assert "test test_a.py::test_c: none of its runs is here" in "".join(found.gaps)
     (run / "signals.csv").write_text("")
     assert _verdicts(_of(run.parent))["T-1"] == NOT_SHOWN
+
+
+def test_requirements_of_a_list_without_a_sentence_rest_on_tests_or_are_gaps(copied: Copied, tmp_path: Path) -> None:
+    listed = tmp_path / "train.reqif"
+    rows = [("T-1", "It stops.", ""), ("T-2", "It is green.", ""), ("R-1", "Slow.", "never true_speed &gt; 20 km/h")]
+    listed.write_text(reqif_text(rows), encoding="utf-8")
+    run = copied("kept", "test_a.test_b")
+    _table(run.parent, "T-1,PASSED,test_a.py::test_b,passed")
+    found = _of(run.parent, listed)
+    assert _verdicts(found) == {"T-1": SHOWN, "T-2": NONE, "R-1": SHOWN, "R-2": NOT_SHOWN}
+    gaps = {one.id: " ".join(one.gaps) for one in found.claims}
+    assert "no sentence: it rests on the assertions of its tests" in gaps["T-1"]
+    assert "no run, no test and no search is about it" in gaps["T-2"]
+    text = page(found, tmp_path)
+    assert "It is green." in text
+    assert "Slow." in text
 
 
 def test_a_junit_report_names_the_runs_of_a_test_by_their_frames(copied: Copied) -> None:

@@ -151,7 +151,9 @@ def requirements_of(spec: RunSpec, scenario: Any) -> tuple[Requirement, ...]:
     return found
 
 
-def named_requirements(words: Iterable[str | Path], known: Iterable[Requirement] = ()) -> tuple[Requirement, ...]:
+def named_requirements(
+    words: Iterable[str | Path], known: Iterable[Requirement] = (), prose: bool = False
+) -> tuple[Requirement, ...]:
     """The requirements of files or systems (:func:`read_requirements`), each once.
 
     :param known: requirements that do not count again.
@@ -160,7 +162,7 @@ def named_requirements(words: Iterable[str | Path], known: Iterable[Requirement]
     found: dict[Requirement, None] = dict.fromkeys(known)
     first = len(found)
     for word in dict.fromkeys(map(str, words)):
-        found |= {one: None for one in read_requirements(word) if one not in found}
+        found |= {one: None for one in read_requirements(word, prose) if one not in found}
     return tuple(found)[first:]
 
 
@@ -173,11 +175,12 @@ def _check_definition(name: str, text: str, file: str | Path) -> None:
         raise _refused(file, f"define.{name}", error) from None
 
 
-def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
+def read_requirements(word: str | Path, prose: bool = False) -> tuple[Requirement, ...]:
     """The requirements of a file, or those that ship with an installed system; of a list of another tool
     (:mod:`railhil.judge.requirements.lists`) those with a sentence.
 
     :param word: path of the file, or name of the system.
+    :param prose: also those of a list without a sentence, whose ``says`` is empty.
     :raises InputError: there is no such file, it is damaged, it has no requirement, or a sentence is wrong: one line
         with file, requirement and column.
     """
@@ -189,18 +192,24 @@ def read_requirements(word: str | Path) -> tuple[Requirement, ...]:
         hint = did_you_mean(str(word), system_names())
         raise InputError(path, "", Words("does not exist"), "a file of requirements, or the name of a system", hint)
     if is_list(path):
-        rows = [{"id": one.id, "says": one.says, "title": one.title} for one in read_list(path) if one.says]
-        if not rows:
-            raise InputError(
-                path, SAYS, Words("is missing"), "a sentence in this attribute of at least one requirement"
-            )
-        return requirements_in({"requirement": rows}, name)
+        return _of_list(path, str(name), prose)
     with refuse_unreadable(path, "a TOML file of requirements"):
         tables = parse_toml(given_text(path))
     found = requirements_in(tables, name)
     if not found:
         raise InputError(path, "requirement", Words("is missing"), "at least one [[requirement]]")
     return found
+
+
+def _of_list(path: Path, name: str, prose: bool) -> tuple[Requirement, ...]:
+    """The requirements of a list of another tool, as :func:`read_requirements`; their texts are their notes."""
+    listed = read_list(path)
+    rows = [{"id": one.id, "says": one.says, "title": one.title, "note": one.text} for one in listed if one.says]
+    if not rows and not prose:
+        raise InputError(path, SAYS, Words("is missing"), "a sentence in this attribute of at least one requirement")
+    judged = {one.id: one for one in requirements_in({"requirement": rows}, name)}
+    every = [judged.get(one.id) or Requirement(one.id, "", one.title, note=one.text, file=name) for one in listed]
+    return tuple(one for one in every if prose or one.says)
 
 
 def shipped_requirements(system: str) -> Path:
