@@ -30,7 +30,7 @@ FOLDER = ROOT / "docs/pictures"
 #: The run of the photographs: its fault is that of README and tutorial.
 RUN = ("run", "--controller", "ipfc_plus", "--bus", "local", "--fault", "TRN_SPEED loss @170s for 2s")
 #: File -> selector of the words of its page.
-PHOTOGRAPHS = {"report.png": "h1, h2, h3, th, .keys b", "panel.png": "#values, #lamps, button, summary, .rc-title"}
+PHOTOGRAPHS = {"report.png": "h1, h2, h3, th, .keys b", "panel.png": "#values, #lamps, button, summary, .handle h2"}
 _SIZE = {"width": 1000, "height": 840}
 _SERVED_S = 60
 _DRAWN_MS = 500
@@ -58,6 +58,7 @@ def photographs(folder: Path) -> Iterator[tuple[str, list[str], bytes]]:
             if name == "panel.png":
                 page.locator("#connection", has_text="connected").wait_for()
                 page.locator(".rc-chart canvas").nth(3).wait_for()
+                page.locator("#events tr").first.wait_for()
                 # Curves are drawn a little after the charts are there.
                 page.wait_for_timeout(_DRAWN_MS)
             yield name, _words(page, PHOTOGRAPHS[name]), page.screenshot()

@@ -49,10 +49,20 @@ export class Line {
     });
   }
 
+  // Faults, from where the first train was when they began to act.
+  markers(events) {
+    if (!this.charts.length) return;
+    const store = this.stores[0], way = store.values[this.layout.position], at = (timeS) => way[store.rowAt(timeS)];
+    const shown = events.filter((one) => one.kind === "fault").map((one) => ({ at: at(one.time_s), fault: true,
+      until: one.until_s == null ? undefined : at(one.until_s), text: `${one.source}: ${one.text}` })).filter((one) => one.at !== undefined);
+    for (const { handle } of this.charts) handle.setMarkers(shown);
+  }
+
   whole() { this.charts[0]?.handle.zoom(); }
 
   // The trains where they are in some rows; -1: not known.
   show(rows) {
+    if (!this.charts.length) return;
     const places = rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]]));
     for (const { handle } of this.charts) handle.setPlaces(places);
   }

@@ -61,6 +61,7 @@ function take(message) {
     page.events = message.replace ? message.events : [...page.events, ...message.events].slice(-1000);
     showEvents(byId("events"), page.events, pick);
     page.curves.markers(page.events.filter((one) => one.kind !== "start"));
+    page.line.markers(page.events);
   }
   if (message.state) { page.state = message.state; showState(message.state); }
   if (message.frames) showList(message);
