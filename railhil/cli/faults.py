@@ -137,17 +137,22 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     return row
 
 
-def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], key: Path | None) -> str:
+def _write_table(
+    out: Path, base: RunSpec, entries: Sequence[Entry], rows: Sequence[Row], key: Path | None, is_shown: bool
+) -> str:
     """Write the table and its page beside the run folders, with the list of hashes over all of them, and sign it.
 
-    :returns: a line on the page. :raises RecordFailed: it cannot be written.
+    :param is_shown: whether there is to be a page. :returns: a line on it. :raises RecordFailed: the table cannot be
+        written.
     """
+    system = base.load().installed_system
     document = {
         "scenario": base.scenario,
         "system": system.name,
         # The run folder of an entry with a law of its own names this law.
         "controller": base.law.controller,
         "seed": base.seed,
+        "entries": [entry.id for entry in entries],
         **made_by(system.name, base.law.controller, code_sha256()),
         "rows": [row.as_json() for row in rows],
         HASH_LIST_KEY: HASH_LIST,
@@ -167,7 +172,7 @@ def _write_table(out: Path, base: RunSpec, system: System, rows: Sequence[Row], 
 
         report_of([out], page)
 
-    line = say_report(out, write)
+    line = say_report(out, write) if is_shown else ""
     sign_list(out, key)
     return line
 
@@ -248,7 +253,7 @@ def work(namespace: argparse.Namespace) -> int:
         rows.sort(key=lambda row: entries.index(row.entry))
     line = ""
     if namespace.out is not None and rows:
-        line = _write_table(namespace.out, base, system, rows, namespace.sign)
+        line = _write_table(namespace.out, base, entries, rows, namespace.sign, not namespace.no_report)
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:

@@ -23,6 +23,7 @@ _STUDIES = {
     "campaign.json": "railhil.campaign.report",
     "hunt.json": "railhil.hunt.study",
     "learn.json": "railhil.sequences.report",
+    "sequence.json": "railhil.sequences.recorded",
     "probability.json": "railhil.probability.study",
 }
 

@@ -136,6 +136,7 @@ class _FaultRow(_Part):
 class _FaultTable(_MadeBy):
     scenario: str = ""
     seed: int | None = None
+    entries: list[str] = []
     rows: list[_FaultRow]
 
 

@@ -6,20 +6,18 @@ function of them alone. Tables of one system stand side by side.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.judge.reactions.catalogue import ENDS
 from railhil.judge.reactions.evaluate import Row
 from railhil.record.documents import FAULT_TABLE, read_fault_table
-from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.report.templates import render_page, write_html
+from railhil.record.hash_list import check_hash_list
+from railhil.report.templates import address_of, render_page, write_html
 
 _PERCENT_MAX = 100.0
 
@@ -44,9 +42,16 @@ class Table:
         return [row for row in self.rows if row.made]
 
     @property
+    def missing(self) -> list[str]:
+        """Entries that the command was stopped before."""
+        return [key for key in self.document.get("entries", ()) if key not in {row.entry.id for row in self.rows}]
+
+    @property
     def verdict(self) -> str:
-        """PASS, FAIL, or INVALID if nothing was run."""
-        return "FAIL" if any(row.failures for row in self.rows) else "PASS" if self.made else "INVALID"
+        """PASS, FAIL, or INVALID if nothing was run or the command was stopped."""
+        if any(row.failures for row in self.rows):
+            return "FAIL"
+        return "PASS" if self.made and not self.missing else "INVALID"
 
     @property
     def says(self) -> str:
@@ -58,6 +63,7 @@ class Table:
         margins = [(1 - share, row.entry.id) for row in self.made if (share := share_of(row)) is not None]
         words += [f"least margin {min(margins)[0]:.0%} of its bound ({min(margins)[1]})"] if margins else []
         words += [f"without a run here: {', '.join(absent)}"] if absent else []
+        words += [f"stopped before {', '.join(self.missing)}"] if self.missing else []
         return "; ".join(words)
 
 
@@ -100,13 +106,9 @@ def read_table(folder: Path, name: str, out: Path) -> Table:
     except (LookupError, ValueError):
         allowed = "the demands of an entry, as railhil faults --out writes them from version 0.3 on"
         raise InputError(folder / FAULT_TABLE, "rows.demanded", Words("missing or damaged"), allowed) from None
-    return Table(name, document, rows, {row.entry.id: _link(folder / row.entry.id, out) for row in rows if row.made})
-
-
-def _link(folder: Path, out: Path) -> str:
-    """Address of a run: its own report, else its folder; empty if it is gone."""
-    target = folder / REPORT if (folder / REPORT).is_file() else folder
-    return quote(Path(os.path.relpath(target, out.parent)).as_posix()) if target.exists() else ""
+    return Table(
+        name, document, rows, {row.entry.id: address_of(folder / row.entry.id, out) for row in rows if row.made}
+    )
 
 
 def beside(tables: Sequence[Table]) -> Iterator[tuple[str, Sequence[Table], list[tuple[str, str, list[Row | None]]]]]:

@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
+import os
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
@@ -15,7 +17,7 @@ from railhil.charts import static_text
 from railhil.charts.figure import Figure
 from railhil.charts.svg import markup
 from railhil.common.streams import escape_controls
-from railhil.record.hash_list import listed_file
+from railhil.record.hash_list import REPORT, listed_file
 
 if TYPE_CHECKING:
     # This import loads matplotlib, which a page does not need.
@@ -67,6 +69,12 @@ def render_page(name: str, package: str = _HERE, **values: Any) -> str:
     :param name: of its template; ``package`` as in :func:`template`. :param values: names in it.
     """
     return template(name, package).render(chart_scripts=script(), chart_styles=styles_text(), **values)
+
+
+def address_of(folder: Path, out: Path) -> str:
+    """Address of a run in a page: its own report, else its folder; empty if there is no such folder."""
+    target = folder / REPORT if (folder / REPORT).is_file() else folder
+    return quote(Path(os.path.relpath(target, out.parent)).as_posix()) if target.exists() else ""
 
 
 def write_html(text: str, out: Path) -> None:

@@ -28,6 +28,7 @@ from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
 from railhil.record.run_folder import run_folder
 from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.run.report import say_report
 from railhil.scenarios.memory_store import read_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.options import add_option, add_options
@@ -93,11 +94,20 @@ def _run(namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
     with begin(first, scenario, namespace.runs, namespace.out) as (folder, evidence):
         found = _record(first, scenario, folder, evidence, console, namespace.panel)
+
+        def write(page: Path) -> None:
+            from railhil.sequences.recorded import report_of
+
+            report_of(folder, page)
+
+        line = "" if namespace.no_report else say_report(folder, write)
         sign_list(folder, namespace.sign)
     if namespace.json:
         print_json(found.as_json())
     console.say(f"sequence sha256 {found.sha256}")
     console.say(f"folder {folder}")
+    if line:
+        console.say(line)
     return PASS
 
 

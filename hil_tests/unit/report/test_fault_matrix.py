@@ -60,6 +60,9 @@ def test_the_verdict_comes_first_and_says_what_is_wrong(tmp_path: Path) -> None:
     assert "1 run, not as it must be: T2b" in text
     assert "TRACTION CUT after 140 ms, &lt;70&gt;" in text
     assert 'class="badge INVALID"' in page(table(tmp_path, ABSENT))
+    text = page(table(tmp_path, KEPT, entries=["T2b", "T3"]))
+    assert 'class="badge INVALID"' in text
+    assert "stopped before T3" in text
 
 
 def test_the_bar_is_the_part_of_the_bound_that_was_used(tmp_path: Path) -> None:

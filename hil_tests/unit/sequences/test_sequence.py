@@ -65,6 +65,13 @@ def test_a_sequence_is_recorded_verified_and_made_again(
     assert main(["verify", str(sequence)]) == PASS
     assert main(["rerun", str(sequence)]) == PASS
     assert f"same bytes: 3 runs, sequence sha256 {evidence.sha256}" in capsys.readouterr().out
+    # Its page has a row for each run, with a link to it, and nothing of the place of the folder.
+    assert railhil("report", sequence).exit_code == PASS
+    page = (sequence / "report.html").read_text(encoding="utf-8")
+    assert "3 of 3 runs of learning" in page
+    assert '<a href="run002">2</a>' in page
+    assert str(sequence) not in page
+    assert evidence.sha256 in page
     # Over the bus, in three processes.
     done = railhil("sequence", *words(short, sequence.with_name("hub"), "-i", "railhil"))
     assert done.exit_code == PASS, done.err
