@@ -15,6 +15,9 @@ SAMPLED = $(if $(SAMPLE),--sample $(SAMPLE) --day $(DAY))
 UV_EXPORT    = $(BIN)/uv export -q --frozen --no-emit-project --no-annotate
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
+# JUnit reports of the tests that run here, for `railhil dossier --validation build/validation`.
+VALIDATION   = build/validation
+REPORTED     = --junitxml=$(VALIDATION)/$@.xml
 COUNTED      = $(PART) --counts $(COUNTS)
 HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that the fixtures of a module are made once; hil_tests/conftest.py puts the long ones first.
@@ -42,7 +45,7 @@ run: $(VENV)/.installed  ## a run of the published scenario, or of ARGS
 # side. The tests in real time leave the processors idle most of the time: two virtual machines take that time, and only
 # that (--behind). Parts that run beside others are printed whole at their end; the last line is the sum.
 test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they need
-	@mkdir -p build && rm -f $(COUNTS)
+	@rm -rf $(COUNTS) $(VALIDATION) && mkdir -p $(VALIDATION)
 	@$(BIN)/python -m hil_tests.prepared machines & \
 	  $(MAKE) --no-print-directory $(VENV)/.installed-dev && \
 	  { $(BIN)/python -m hil_tests.prepared batches bytecode & prepared=$$!; \
@@ -50,6 +53,7 @@ test: | $(VENV)/bin/pip  ## lint and all tests but the long ones, with what they
 	  $(MAKE) --no-print-directory PART="$(COUNTED)" DOCKER_OUT=">build/docker.txt 2>&1" -j2 test-side-by-side test-docker; \
 	  code=$$?; wait; exit $$code
 	@cat build/docker.txt
+	@$(BIN)/railhil doctor --quick --json >$(VALIDATION)/doctor.json
 	@$(MAKE) --no-print-directory PART="$(COUNTED)" BEHIND=--behind -j3 -Otarget test-vcan-first test-vcan-second test-real-time
 	@$(PART) --counts $(COUNTS) --total 5
 
@@ -71,15 +75,15 @@ test-here: $(VENV)/.installed-dev
 	@$(MAKE) --no-print-directory test-real-time
 
 test-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not long and not wall_clock"
+	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "tests side by side" $(SIDE_BY_SIDE) $(REPORTED) -m "$(HERE) and not long and not wall_clock"
 
 test-long-side-by-side test-vcan-long: export RAILHIL_SAMPLE = $(if $(SAMPLE),$(SAMPLE) $(DAY))
 test-long-side-by-side test-vcan-long: OF_DAY = $(if $(SAMPLE), (one of $(SAMPLE): those of $(DAY)))
 test-long-side-by-side: $(VENV)/.installed-dev
-	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "long tests$(OF_DAY)" $(SIDE_BY_SIDE) -m "$(HERE) and long"
+	@$(PART) --tool compilers --tool emulation --tool browser --tool ssh "long tests$(OF_DAY)" $(SIDE_BY_SIDE) $(REPORTED) -m "$(HERE) and long"
 
 test-real-time: $(VENV)/.installed-dev
-	@$(PART) "tests in real time" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
+	@$(PART) "tests in real time" $(BIN)/pytest -q $(REPORTED) -m "$(HERE) and wall_clock" $(REAL_TIME)
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (Debian), where the long tests are left out.
 test-vcan test-vcan-first test-vcan-second test-vcan-long: $(VENV)/.installed-dev

@@ -23,6 +23,9 @@ from hil_tests.support.recordings import SharedRuns
 from railhil import cli
 from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
+from railhil.common.version import full_version
+from railhil.dossier.tests import CODE, VERSION
+from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.systems.ato.scenario.model import Scenario
@@ -126,6 +129,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:
                 item.add_marker(pytest.mark.skip(reason=reason))
+    if items and config.getoption("xmlpath", None):
+        # The code under test, for `railhil dossier --validation`; a report has it at one test.
+        items[0].user_properties += [(VERSION, full_version()), (CODE, code_sha256())]
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -52,6 +52,7 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing_library("railhil dossier", error, "report") from None
     from railhil.dossier.dossier import check_out, make_dossier, write_dossier
+    from railhil.judge.requirements.lists import is_list
     from railhil.judge.requirements.requirement import named_requirements
 
     out = Path(namespace.out)
@@ -62,7 +63,8 @@ def work(namespace: argparse.Namespace) -> int:
         facts({}, choose_bus({})),
     )  # fmt: skip
     with refuse_unwritable("--out", out, "folder"):
-        write_dossier(found, page(found, out), out, namespace.sign)
+        lists = [Path(name) for name in namespace.requirements if is_list(name)]
+        write_dossier(found, page(found, out), out, namespace.sign, lists)
     code = PASS if found.is_complete else FAIL
     if namespace.json:
         print_json(found.as_json())
@@ -70,9 +72,8 @@ def work(namespace: argparse.Namespace) -> int:
     console = Output()
     width = max((len(one.id) for one in found.claims), default=0)
     for one in found.claims:
-        text = one.requirement.title or one.requirement.says if one.requirement else ""
         console.say(
-            f"{one.id:{width}}  {one.verdict:11}  {text}".rstrip(), style=_STYLES.get(one.verdict, "bold yellow")
+            f"{one.id:{width}}  {one.verdict:11}  {one.title}".rstrip(), style=_STYLES.get(one.verdict, "bold yellow")
         )
     for gap in found.gaps:
         console.say(f"gap: {gap}")

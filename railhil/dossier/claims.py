@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 from railhil.common.digits import count_of
-from railhil.dossier.evidence import Evidence, Judged
+from railhil.dossier.evidence import Evidence, Judged, Searched, is_same
 from railhil.dossier.tests import Test
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
@@ -40,31 +39,32 @@ class Run:
         """Whether it speaks for the claim if the sentence is kept."""
         return not self.why_not
 
+    @property
+    def margin(self) -> float | None:
+        """Its margin, in the unit of the sentence; None: there is none."""
+        return None if self.judged.outcome is None else self.judged.outcome.margin
 
-@dataclass(frozen=True, slots=True)
-class Search:
-    """What a hunt or a probability has found of a claim, in words; ``violations``: number of runs against it."""
-
-    evidence: Evidence
-    runs: int
-    violations: int
-    said: str
+    @property
+    def margin_said(self) -> str:
+        """Margin and unit; empty: there is none."""
+        outcome = self.judged.outcome
+        return "" if outcome is None or outcome.margin is None else f"{outcome.margin:.4g} {outcome.unit}".rstrip()
 
 
 @dataclass(frozen=True)
 class Claim:
     """A requirement and its evidence.
 
-    ``requirement``: None: only tests name it, without a sentence. ``verdict``: ``violated`` if anything speaks against
-    it, whether or not it checks; ``shown`` if a folder that checks, or a passed test whose runs all check, speaks for
-    it; ``not shown``; ``no evidence``. ``gaps``: what is missing, a sentence each.
+    ``requirement``: None: only tests name it; of a list of another tool it may have no sentence. ``verdict``:
+    ``violated`` if anything speaks against it, whether or not it checks; ``shown`` if a folder that checks, or a passed
+    test whose runs all check, speaks for it; ``not shown``; ``no evidence``. ``gaps``: sentences on what is missing.
     """
 
     id: str
     requirement: Requirement | None
     runs: Sequence[Run]
     tests: Sequence[Test]
-    searches: Sequence[Search]
+    searches: Sequence[tuple[Evidence, Searched]]
     verdict: str = NONE
     gaps: tuple[str, ...] = ()
     deviations: Mapping[str, Sequence[Evidence]] = field(default_factory=dict)
@@ -74,62 +74,55 @@ class Claim:
         return [run for run in self.runs if run.verdict == verdict and run.counts == counts]
 
     @property
-    def worst(self) -> Run | None:
-        """The run with the smallest margin of those that count; None: none has one."""
-        sized = [run for run in self.runs if run.counts and _margin(run) is not None]
-        return min(sized, key=lambda run: _margin(run) or 0.0, default=None)
+    def title(self) -> str:
+        """Its title, else its text, else its sentence; empty: only tests name it."""
+        found = self.requirement
+        return "" if found is None else found.title or found.says or found.note
 
-
-def _margin(run: Run) -> float | None:
-    return None if run.judged.outcome is None else run.judged.outcome.margin
+    @property
+    def least(self) -> str:
+        """The smallest margin of the runs that count, in words; empty: none has one."""
+        sized = [run for run in self.runs if run.counts and run.margin is not None]
+        worst = min(sized, key=lambda run: run.margin or 0.0, default=None)
+        return "" if worst is None else f"{worst.margin_said} in {worst.evidence.name}"
 
 
 def claims_of(listed: Sequence[Requirement], evidence: Sequence[Evidence], tests: Sequence[Test]) -> list[Claim]:
-    """All requirements, those of the list in its order, then those that only runs, searches and tests name.
+    """All requirements, those of lists in their order, then those that only runs, searches and tests name.
 
-    :param listed: the requirements of the list that the assessment is about; none: those of the evidence.
+    :param listed: the requirements that the assessment is about.
     """
-    texts = {one.id: one for one in listed}
+    known = {one.id: one for one in listed}
     for item in evidence:
-        for judged in item.judged:
-            texts.setdefault(judged.requirement.id, judged.requirement)
-        for row in _rows(item):
-            texts.setdefault(row["id"], Requirement(row["id"], row["says"]))
-    others = sorted({test.requirement for test in tests} - texts.keys())
+        for one in (*(found.requirement for found in item.judged), *(found.requirement for found in item.searched)):
+            known.setdefault(one.id, one)
+    names = dict.fromkeys((*known, *sorted(test.requirement for test in tests)))
     by_number = {one.number: one for one in evidence}
-    return [_claim(name, texts.get(name), evidence, tests, by_number) for name in (*texts, *others)]
+    return [_claim(name, known.get(name), tests, by_number) for name in names]
 
 
 def _claim(
-    name: str,
-    requirement: Requirement | None,
-    evidence: Sequence[Evidence],
-    tests: Sequence[Test],
-    by_number: Mapping[int, Evidence],
+    name: str, requirement: Requirement | None, every_test: Sequence[Test], by_number: Mapping[int, Evidence]
 ) -> Claim:
-    ours = [(item, judged) for item in evidence for judged in item.judged if judged.requirement.id == name]
-    same = {item.number for item, judged in ours if _is_same(judged.requirement, requirement)}
-    runs = [Run(item, judged, _why_not(item, judged, same)) for item, judged in ours]
-    own = [test for test in tests if test.requirement == name]
-    searches = [_search(item, row) for item in evidence for row in _rows(item) if row["id"] == name]
-    found = Claim(name, requirement, sorted(runs, key=_order), own, searches)
-    against, gaps = list(_against(found)), []
-    passed = [test for test in own if test.result == PASSED and _is_supported(test, by_number)]
-    is_shown = bool(found.of(KEPT) or passed)
-    has_any = own or searches or any(run.evidence.problems or run.judged.outcome is not None for run in runs)
+    evidence = by_number.values()
+    judged = [(item, one) for item in evidence for one in item.judged if one.requirement.id == name]
+    same = {item.number for item, one in judged if is_same(one.requirement, requirement)}
+    runs = sorted((Run(item, one, _why_not(item, one, same)) for item, one in judged), key=_order)
+    tests = [test for test in every_test if test.requirement == name]
+    searches = [(item, one) for item in evidence for one in item.searched if one.requirement.id == name]
+    found = Claim(name, requirement, runs, tests, searches)
+    against = list(_against(found))
+    passed = [test for test in tests if test.result == PASSED and _is_supported(test, by_number)]
+    has_any = tests or searches or any(run.evidence.problems or run.judged.outcome is not None for run in runs)
+    is_shown = found.of(KEPT) or passed
     verdict = VIOLATED if against else SHOWN if is_shown else NOT_SHOWN if has_any else NONE
-    gaps = [*against, *_missing(found, by_number, verdict)]
     deviations: dict[str, list[Evidence]] = {}
     decided = {run.evidence.number for run in runs if run.verdict in (KEPT, VIOLATED, OPEN)}
-    for number in sorted({*decided, *(number for test in own for number in test.runs)}):
+    for number in sorted(decided.union(*(test.runs for test in tests))):
         for said in by_number[number].deviations:
             deviations.setdefault(said, []).append(by_number[number])
-    return Claim(name, requirement, found.runs, own, searches, verdict, tuple(gaps), deviations)
-
-
-def _is_same(one: Requirement, other: Requirement | None) -> bool:
-    """Whether two requirements of one id have one meaning."""
-    return other is not None and (one.says, one.define, one.when) == (other.says, other.define, other.when)
+    gaps = (*against, *_missing(found, by_number, verdict))
+    return replace(found, verdict=verdict, gaps=gaps, deviations=deviations)
 
 
 def _why_not(item: Evidence, judged: Judged, same: Set[int]) -> str:
@@ -149,31 +142,7 @@ def _why_not(item: Evidence, judged: Judged, same: Set[int]) -> str:
 def _order(run: Run) -> tuple[int, float, int]:
     """Violated ones first, then kept ones by their margins, then the others."""
     place = (VIOLATED, KEPT, OPEN, SILENT, NOT_JUDGED).index(run.verdict) if run.verdict else 5
-    margin = _margin(run)
-    return place, float("inf") if margin is None else margin, run.evidence.number
-
-
-def _rows(item: Evidence) -> list[dict[str, Any]]:
-    """The requirements of a hunt or a probability, as its summary has them."""
-    found = item.searched.get("requirements") or []
-    one = item.searched.get("requirement")
-    return [*found, *([one] if isinstance(one, dict) else [])]
-
-
-def _search(item: Evidence, row: Mapping[str, Any]) -> Search:
-    runs = int(row.get("runs", item.searched.get("runs", 0)))
-    if "p" in item.searched:
-        low, high = item.searched["low"], item.searched["high"]
-        interval = "no interval" if low is None else f"95 % interval {low:.2g} to {high:.2g}"
-        return Search(item, runs, 0, f"a drawn run violates it with P = {item.searched['p']:.2g}, {interval}")
-    violations = int(row["violations"])
-    if violations:
-        return Search(item, runs, violations, f"violated in {count_of(violations, 'run')} of {runs:,}")
-    if not runs:
-        return Search(item, runs, 0, "judged in no run")
-    met = f"its antecedent was met in {row['antecedent_met']:,}"
-    nearest = "" if row.get("margin") is None else f", nearest margin {row['margin']:.4g} {row['unit']}".rstrip()
-    return Search(item, runs, 0, f"not found in {count_of(runs, 'run', spec=',')} ({met}){nearest}")
+    return place, float("inf") if run.margin is None else run.margin, run.evidence.number
 
 
 def _is_supported(test: Test, by_number: Mapping[int, Evidence]) -> bool:
@@ -195,9 +164,9 @@ def _against(claim: Claim) -> Iterator[str]:
     for test in claim.tests:
         if test.result == FAILED:
             yield f"test {test.name}: {test.outcome}"
-    for search in claim.searches:
+    for item, search in claim.searches:
         if search.violations:
-            yield f"{search.evidence.kind} {search.evidence.name}: {search.said}"
+            yield f"{item.kind} {item.name}: {search.said}"
 
 
 def _missing(claim: Claim, by_number: Mapping[int, Evidence], verdict: str) -> Iterator[str]:
@@ -219,8 +188,10 @@ def _missing(claim: Claim, by_number: Mapping[int, Evidence], verdict: str) -> I
     ):
         if verdict != SHOWN and (runs := [run.evidence for run in claim.of(word)]):
             yield f"{word} in {count_of(len(runs), 'run')} ({why}): {named(runs)}"
-    if claim.requirement is None or not claim.requirement.says:
-        yield "no sentence: it rests on the assertions of its tests"
+    if claim.tests and not claim.of(KEPT):
+        has_sentence = claim.requirement is not None and claim.requirement.says
+        rests = "its sentence was kept in no run" if has_sentence else "no sentence"
+        yield f"{rests}: it rests on the assertions of its tests"
     for test in claim.tests:
         if test.result == UNSHOWN:
             yield f"test {test.name}: {test.outcome}"

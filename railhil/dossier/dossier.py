@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import getpass
-import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +11,21 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import whole_file
 from railhil.common.version import full_version
-from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, Run, claims_of, named
+from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, claims_of, named
 from railhil.dossier.evidence import DOSSIER, RUN, Evidence, folders_of, read_evidence
 from railhil.dossier.tests import Validation, read_tests, read_validation, test_files
+from railhil.judge.requirements.lists import Result, write_results
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import VIOLATED
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, REPORT, write_hash_list
-from railhil.record.run_folder import json_text
+from railhil.record.run_folder import json_text, recorded_by
 from railhil.record.signature import SIGNATURE, sign_list
 
 #: Endings of versions that name no commit.
 _UNNAMED = (".dirty", "+unknown")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Tool:
     """A railhil that made evidence. ``validated``: whether the given validation is of this code and nothing failed in
     it; ``said``: the same in words."""
@@ -41,7 +39,7 @@ class Tool:
 
 @dataclass(frozen=True)
 class Dossier:
-    """``gaps``: a sentence each, those of the claims first. ``doctor``: versions and properties of a machine."""
+    """``doctor``: versions and properties of a machine."""
 
     claims: Sequence[Claim]
     evidence: Sequence[Evidence]
@@ -82,8 +80,8 @@ class Dossier:
         found = self.validation
         if found is None:
             return False, "no results of railhil's own tests are here (--validation DIR)"
-        if code not in found.codes:
-            return False, f"the results of railhil's own tests are of {'other' if found.codes else 'an unknown'} code"
+        if found.codes != (code,):
+            return False, "the results of railhil's own tests are not, or not all, of its code"
         counts = ", ".join(f"{count:,} {outcome}" for outcome, count in found.outcomes.items())
         return not found.failed, f"its own tests: {counts}"
 
@@ -140,20 +138,17 @@ class Dossier:
 
     def as_json(self) -> dict[str, Any]:
         """Content of ``dossier.json``."""
+        tools = [{**vars(one), "made": [item.name for item in one.made]} for one in self.tools]
         return {
-            **self.written,
+            "written": self.written,
             "complete": self.is_complete,
             "gaps": self.gaps,
             "claims": [_claim(one) for one in self.claims],
             "evidence": [_evidence(one) for one in self.evidence],
-            "tools": [
-                {"railhil": one.version, "code_sha256": one.code_sha256, "made": [item.name for item in one.made],
-                 "validated": one.validated, "said": one.said}
-                for one in self.tools
-            ],
+            "tools": tools,
             "validation": None if self.validation is None else asdict(self.validation),
             "doctor": self.doctor,
-        }  # fmt: skip
+        }
 
 
 def _claim(one: Claim) -> dict[str, Any]:
@@ -161,49 +156,32 @@ def _claim(one: Claim) -> dict[str, Any]:
         "id": one.id,
         "requirement": None if one.requirement is None else one.requirement.as_json(),
         "verdict": one.verdict,
-        "gaps": list(one.gaps),
-        "runs": [_run(run) for run in one.runs],
-        "tests": [asdict(test) for test in one.tests],
-        "searches": [
-            {"evidence": item.evidence.name, "violations": item.violations, "said": item.said} for item in one.searches
+        "gaps": one.gaps,
+        "runs": [
+            {"evidence": run.evidence.name, "counts": run.counts, "why_not": run.why_not,
+             "outcome": None if run.judged.outcome is None else run.judged.outcome.as_json()}
+            for run in one.runs
         ],
+        "tests": [asdict(test) for test in one.tests],
+        "searches": [{"evidence": item.name, "violations": found.violations, "said": found.said}
+                     for item, found in one.searches],
         "deviations": {said: [item.name for item in items] for said, items in one.deviations.items()},
-    }
-
-
-def _run(run: Run) -> dict[str, Any]:
-    outcome = run.judged.outcome
-    return {
-        "evidence": run.evidence.name,
-        "counts": run.counts,
-        "why_not": run.why_not,
-        "outcome": None if outcome is None else outcome.as_json(),
-    }
+    }  # fmt: skip
 
 
 def _evidence(one: Evidence) -> dict[str, Any]:
+    said = ("name", "kind", "title", "verdict", "reasons", "list_sha256", "signature", "problems", "unchecked",
+            "remarks", "copy_of", "deviations")  # fmt: skip
     return {
-        "name": one.name,
         "folder": str(one.folder),
-        "kind": one.kind,
-        "title": one.title,
-        "verdict": one.verdict,
-        "reasons": one.reasons,
-        "faults": one.document.get("faults", []),
-        "frames_sha256": one.document.get("frames_sha256"),
-        "list_sha256": one.list_sha256 or None,
-        "signature": one.signature,
-        "problems": list(one.problems),
-        "not_checked": list(one.unchecked),
-        "remarks": list(one.remarks),
-        "copy_of": None if one.copy_of is None else f"E{one.copy_of}",
-        "deviations": list(one.deviations),
+        **{key: getattr(one, key) for key in said},
+        **{key: one.document.get(key) for key in ("frames_sha256", "faults", "railhil", "code_sha256")},
     }
 
 
 def make_dossier(
     given: Sequence[Path],
-    listed: Sequence[Requirement],
+    listed: Sequence[Requirement] = (),
     key: Path | None = None,
     validation: Path | None = None,
     doctor: Mapping[str, Any] | None = None,
@@ -219,13 +197,8 @@ def make_dossier(
     evidence = list(read_evidence(folders_of(given), [one for one in listed if one.says], key))
     tests = read_tests(test_files(given, evidence), evidence)
     found = None if validation is None else read_validation(validation)
-    written = {
-        "railhil": full_version(),
-        "written": datetime.now(UTC).isoformat(timespec="seconds"),
-        "host": platform.node(),
-        "by": getpass.getuser(),
-    }
     claims = claims_of(listed, evidence, tests)
+    written = {**recorded_by(), "railhil": full_version()}
     return Dossier(claims, evidence, found, (found and found.doctor) or doctor or {}, written)
 
 
@@ -241,15 +214,21 @@ def check_out(folder: Path) -> None:
         raise InputError("command line", "--out", str(folder), "an empty or new folder, or that of a dossier")
 
 
-def write_dossier(dossier: Dossier, page: str, folder: Path, key: Path | None) -> None:
-    """Write document, page and list of hashes.
+def write_dossier(
+    dossier: Dossier, page: str, folder: Path, key: Path | None = None, lists: Sequence[Path] = ()
+) -> None:
+    """Write document, page, copies of the lists with the results, and list of hashes.
 
-    :param key: that signs the list; None: none does.
+    :param key: that signs the list of hashes; None: none does. :param lists: of requirements, of other tools.
     :raises OSError: they cannot be written. :raises InputError: the key cannot sign.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in ((DOSSIER, json_text(dossier.as_json() | {HASH_LIST_KEY: HASH_LIST})), (REPORT, page)):
         with whole_file(folder / name) as draft:
             draft.write_text(text, encoding="utf-8")
-    write_hash_list(folder, only=(DOSSIER, REPORT))
+    results = {one.id: Result(one.verdict, "; ".join(one.gaps) or one.least) for one in dossier.claims}
+    copies = {f"{path.stem}_results{path.suffix}": path for path in lists}
+    for name, path in copies.items():
+        write_results(path, results, folder / name)
+    write_hash_list(folder, only=(DOSSIER, REPORT, *copies))
     sign_list(folder, key)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
 from railhil.judge.evidence import Checked, check_folder_alone, folders_below, is_evidence, signature_sentence
@@ -26,6 +27,14 @@ DOSSIER = "dossier.json"
 RUN = "run"
 _SUMMARY = "summary.json"
 _SEARCHES = ("hunt.json", "probability.json")
+_WRITTEN = "what railhil has written"
+#: Key of a certificate that is not usual -> what it says.
+_DEVIATIONS = {
+    "foreign": "the controller was a board or another program: law and arithmetic are as it reported them",
+    "not_witnessed": "some nodes did not say which frames they sent",
+    "other_frames": "the record has frames that are not of its wire contract",
+    "branched_from": "the run is a branch of another run",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +46,23 @@ class Judged:
     why_not: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Searched:
+    """What a hunt or a probability has found of a requirement, in words; ``violations``: number of runs against it."""
+
+    requirement: Requirement
+    runs: int
+    violations: int
+    said: str
+
+
 @dataclass(frozen=True)
 class Evidence:
     """A folder, checked and read.
 
     ``problems``: why it does not count, a sentence each. ``signature``: who has signed it, or a folder above it;
-    ``signed``: whether anybody has. Of a run that can be read: ``title``, ``verdict``, ``judged``, ``deviations``, and
-    ``document``, its certificate. ``searched``: summary of a hunt or a probability. ``copy_of``: number of the folder
-    with the same record.
+    ``signed``: whether anybody has. Of a run: ``title``, ``verdict``, ``judged``, ``deviations``, and ``document``, its
+    certificate. ``copy_of``: number of the folder with the same record.
     """
 
     number: int
@@ -56,15 +74,15 @@ class Evidence:
     signature: str
     signed: bool
     list_sha256: str
+    copy_of: int | None = None
     title: str = ""
     verdict: str = ""
     reasons: str = ""
     judged: tuple[Judged, ...] = ()
+    searched: tuple[Searched, ...] = ()
     deviations: tuple[str, ...] = ()
-    document: dict[str, Any] = field(default_factory=dict, repr=False)
-    searched: dict[str, Any] = field(default_factory=dict, repr=False)
+    document: Mapping[str, Any] = field(default_factory=dict, repr=False)
     published: tuple[str, Sequence[Any]] | None = field(default=None, repr=False)
-    copy_of: int | None = None
 
     @property
     def name(self) -> str:
@@ -99,146 +117,150 @@ def _walk(folder: Path) -> Iterator[Path]:
                 yield from _walk(path)
 
 
-def read_evidence(folders: Sequence[Path], claims: Sequence[Requirement], key: Path | None) -> Iterator[Evidence]:
+def read_evidence(folders: Sequence[Path], listed: Sequence[Requirement], key: Path | None) -> Iterator[Evidence]:
     """Check and read folders of evidence, those above before those below.
 
-    :param claims: by which each run is judged, beside its own requirements.
+    :param listed: requirements by which each run is judged, in place of its own of the same ids.
     :param key: that must have signed; None: a signature is not asked for.
     :raises InputError: the key is none.
     """
-    above: dict[Path, Evidence] = {}
+    #: A folder below another one -> that one, and the name of the list there.
+    above: dict[Path, tuple[Evidence, str]] = {}
     records: dict[str, int] = {}
     for number, folder in enumerate(folders, 1):
-        found = _read(number, folder, claims, key, above.get(folder.resolve()), records)
-        yield found[0]
-        above |= {(folder / name).resolve(): found[0] for name in folders_below(folder, found[1])}
+        checked = check_folder_alone(folder)
+        problems = [_bare(said, folder) for said in checked.problems]
+        own = _content(folder, checked, listed, problems)
+        has_list = (folder / HASH_LIST).is_file()
+        said, is_good = signature_sentence(signed(folder, key) if has_list else None, key)
+        is_signed = said.startswith("signed")
+        outer, name = above.get(folder.resolve(), (None, ""))
+        if outer and outer.signed and not is_signed and not any(one.startswith(f"{name}: ") for one in outer.problems):
+            said, is_good, is_signed = f"{outer.signature}, in the list of {outer.name}", True, True
+        problems += [] if is_good else [said]
+        sha256 = str(own["document"].get("frames_sha256")) if "document" in own and not problems else f"E{number}"
+        first = records.setdefault(sha256, number)
+        kind = next((name for name in DOCUMENTS if (folder / name).is_file()), CERTIFICATE)
+        found = Evidence(
+            number=number,
+            folder=folder,
+            kind=RUN if kind == CERTIFICATE else kind.removesuffix(".json"),
+            problems=tuple(problems),
+            unchecked=tuple(_bare(one, folder) for one in checked.unchecked),
+            remarks=tuple(_bare(one, folder) for one in checked.remarks),
+            signature=said,
+            signed=is_signed,
+            list_sha256=sha256_of(folder / HASH_LIST) if has_list else "",
+            copy_of=None if first == number else first,
+            **own,
+        )
+        above |= {(folder / one).resolve(): (found, f"{one}/{HASH_LIST}") for one in folders_below(folder, checked)}
+        yield found
 
 
-def _read(
-    number: int,
-    folder: Path,
-    claims: Sequence[Requirement],
-    key: Path | None,
-    above: Evidence | None,
-    records: dict[str, int],
-) -> tuple[Evidence, Checked]:
-    checked = check_folder_alone(folder)
-    problems = [without_folder(said, folder) for said in checked.problems]
-    has_list = (folder / HASH_LIST).is_file()
-    said, is_good = signature_sentence(signed(folder, key) if has_list else None, key)
-    is_signed = said.startswith("signed")
-    if not is_signed and above is not None and above.signed:
-        inner = f"{folder.resolve().relative_to(above.folder.resolve()).as_posix()}/{HASH_LIST}"
-        if not any(problem.startswith(f"{inner}: ") for problem in above.problems):
-            said, is_good, is_signed = f"{above.signature}, in the list of {above.name}", True, True
-    if not is_good:
-        problems.append(said)
-    if not has_list and not (folder / CERTIFICATE).is_file():
-        problems.append("the run did not come to its end: there is no certificate")
-    record = checked.record
-    kind = next((name for name in DOCUMENTS if (folder / name).is_file()), "")
-    own: dict[str, Any] = {}
-    if record is not None:
-        own = _of_run(record, claims)
-        own["copy_of"] = records.setdefault(record.frames_sha256, number) if not problems else None
-        own["copy_of"] = None if own["copy_of"] == number else own["copy_of"]
-    elif kind == CERTIFICATE:
-        own = _of_damaged(folder)
-    elif kind in _SEARCHES:
-        own = {"searched": _searched(folder, problems)}
-    made = Evidence(
-        number=number,
-        folder=folder,
-        kind=RUN if kind in (CERTIFICATE, "") else kind.removesuffix(".json"),
-        problems=tuple(problems),
-        unchecked=tuple(without_folder(said, folder) for said in checked.unchecked),
-        remarks=tuple(without_folder(said, folder) for said in checked.remarks),
-        signature=said,
-        signed=is_signed,
-        list_sha256=sha256_of(folder / HASH_LIST) if has_list else "",
-        **own,
-    )
-    return made, checked
-
-
-def without_folder(said: str, folder: Path) -> str:
+def _bare(said: str, folder: Path) -> str:
     """A sentence on a file of a folder that is named beside it."""
     return said.replace(f"{folder}/", "").removeprefix(f"{folder}: ")
 
 
-def _of_run(record: Record, claims: Sequence[Requirement]) -> dict[str, Any]:
+def _content(folder: Path, checked: Checked, listed: Sequence[Requirement], problems: list[str]) -> dict[str, Any]:
+    """What a folder says, by the names of :class:`Evidence`; ``problems`` gets what cannot be read."""
+    try:
+        if checked.record is not None:
+            return _of_run(checked.record, listed)
+        if not (folder / CERTIFICATE).is_file():
+            if (folder / LOG_NAME).is_file():
+                problems.append("the run did not come to its end: there is no certificate")
+            is_search = any((folder / name).is_file() for name in _SEARCHES)
+            return {"searched": tuple(_searched(given_json(folder / _SUMMARY, _WRITTEN)))} if is_search else {}
+    except InputError as error:
+        problems.append(_bare(str(error), folder))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        problems.append(f"{_SUMMARY}: other keys than railhil writes")
+    return _of_damaged(folder)
+
+
+def _of_run(record: Record, listed: Sequence[Requirement]) -> dict[str, Any]:
     judging = record.judging
+    others: list[str] = []
+    judged = tuple(_judged(record, listed, others))
     return {
         "title": record.title,
         "verdict": record.verdict,
         "reasons": "" if record.passed else record.line,
-        "judged": tuple(_judged(record, claims)),
-        "deviations": tuple(_deviations(record)),
+        "judged": judged,
+        "deviations": (*others, *_deviations(record)),
         "document": record.certificate,
         "published": judging.deviations() if record.scenario.published and judging.deviations else None,
     }
 
 
-def _judged(record: Record, claims: Sequence[Requirement]) -> Iterator[Judged]:
-    """The requirements by which the run was judged, and then the others."""
+def _judged(record: Record, listed: Sequence[Requirement], others: list[str]) -> Iterator[Judged]:
+    """The run by the requirements of the list, then by its own ones.
+
+    :param others: gets a sentence on each of its own that differs from that of the list.
+    """
     path = record.folder / CERTIFICATE
-    own = requirements_from_json(required(record.certificate, path), path)
-    for requirement in own:
-        yield Judged(requirement, record.requirements[requirement.id])
-    known = {one.id for one in own}
-    for requirement in claims:
-        if requirement.id not in known:
-            try:
-                (outcome,) = judge_requirements(record, [requirement])
-            except InputError as error:
-                yield Judged(requirement, None, f"its sentence does not fit the scenario: {error.difference}")
-            else:
-                yield Judged(requirement, outcome)
+    own = {one.id: one for one in requirements_from_json(required(record.certificate, path), path)}
+    for requirement in listed:
+        if not is_same(mine := own.pop(requirement.id, requirement), requirement):
+            others.append(f"when it was made, {mine.id} was another sentence: {mine.says}")
+        try:
+            yield Judged(requirement, judge_requirements(record, [requirement])[0])
+        except InputError as error:
+            yield Judged(requirement, None, f"its sentence does not fit the scenario: {error.difference}")
+    yield from (Judged(one, record.requirements[one.id]) for one in own.values())
+
+
+def is_same(one: Requirement, other: Requirement | None) -> bool:
+    """Whether two requirements of one id have one meaning."""
+    return other is not None and (one.says, one.define, one.when) == (other.says, other.define, other.when)
 
 
 def _of_damaged(folder: Path) -> dict[str, Any]:
-    """What the documents of a folder say that does not check: it can only speak against a requirement."""
+    """What the documents of a run folder say that does not check: it can only speak against a requirement."""
     try:
-        document = given_json(folder / CERTIFICATE, "a certificate")
+        document = given_json(folder / CERTIFICATE, _WRITTEN)
         found = requirements_from_json(required(document, folder / CERTIFICATE), folder / CERTIFICATE)
-    except InputError:
+        said = given_json(folder / SCORE, _WRITTEN).get(REQUIREMENTS) or []
+        violated = [one["id"] for one in said if one["verdict"] == VIOLATED]
+    except (InputError, KeyError, TypeError):
         # The folder is among the gaps already.
         return {}
-    try:
-        said = given_json(folder / SCORE, "a score").get(REQUIREMENTS) or []
-        violated = {one.get("id") for one in said if one.get("verdict") == VIOLATED}
-    except (InputError, AttributeError):
-        # Likewise.
-        violated = set()
+    known = {key: text for key, text in document.items() if isinstance(text, str)}
     judged = (Judged(one, Outcome(one.id, one.says, VIOLATED) if one.id in violated else None) for one in found)
-    title = f"{document.get('controller')} on {document.get('scenario')}, seed {document.get('seed')}"
-    return {"title": title, "judged": tuple(judged), "document": document}
+    title = f"{known.get('controller')} on {known.get('scenario')}"
+    return {"title": title, "judged": tuple(judged), "document": known}
 
 
-def _searched(folder: Path, problems: list[str]) -> dict[str, Any]:
-    """The summary of a hunt or a probability; empty: it is not finished."""
-    try:
-        return given_json(folder / _SUMMARY, "the summary of a finished search")
-    except InputError as error:
-        problems.append(without_folder(str(error), folder))
-        return {}
+def _searched(summary: Mapping[str, Any]) -> Iterator[Searched]:
+    """The requirements of a hunt or a probability.
+
+    :raises KeyError, TypeError, ValueError, AttributeError: it is the summary of neither.
+    """
+    if "p" in summary:
+        said, low, high = f"a drawn run violates it with P = {summary['p']:.2g}", summary["low"], summary["high"]
+        said += ", no interval" if low is None else f", 95 % interval {low:.2g} to {high:.2g}"
+        one = summary["requirement"]
+        yield Searched(Requirement(str(one["id"]), str(one["says"])), int(summary["runs"]), 0, said)
+        return
+    for one in summary["requirements"]:
+        runs, violations = int(one["runs"]), int(one["violations"])
+        said = f"not found in {count_of(runs, 'run', spec=',')} (its antecedent was met in {one['antecedent_met']:,})"
+        said += "" if one["margin"] is None else f", nearest margin {one['margin']:.4g} {one['unit']}"
+        if violations or not runs:
+            said = f"violated in {count_of(violations, 'run')} of {runs:,}" if runs else "judged in no run"
+        yield Searched(Requirement(str(one["id"]), str(one["says"])), runs, violations, said)
 
 
 def _deviations(record: Record) -> Iterator[str]:
     """What an assessor has to know of a run before its margins."""
     certificate = record.certificate
     yield from filter(None, (record.caution, watch_sentence(record.scenario)))
-    if record.invalid:
-        yield f"the run is INVALID: {record.invalid}"
+    for key, said in _DEVIATIONS.items():
+        if certificate.get(key):
+            yield said
     if certificate.get("pace") == "realtime":
         yield "the run kept real time: made again, its frames have other instants"
-    if certificate.get("foreign"):
-        yield "the controller was a board or another program: law and arithmetic are as it reported them"
-    if certificate.get("not_witnessed"):
-        yield f"{', '.join(certificate['not_witnessed'])}: their owners did not say which frames they sent"
-    if certificate.get("other_frames"):
-        yield f"{certificate['other_frames']} frames of the record are of nobody in the contract"
-    if certificate.get("branched_from"):
-        yield "the run is a branch of another run"
-    if not record.passed and not record.invalid:
-        yield "the run is FAIL: its folder says why"
+    if record.verdict != "PASS":
+        yield f"the run is {record.verdict}: its folder says why"

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from railhil.common.digits import count_of
 from railhil.dossier.claims import SHOWN, Claim, Run, named
@@ -15,6 +13,7 @@ from railhil.dossier.evidence import Evidence
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED
 from railhil.record.hash_list import REPORT
+from railhil.report.origin import report_address
 from railhil.report.templates import render_page
 from railhil.testing.requirements import PASSED
 
@@ -44,10 +43,9 @@ def page(dossier: Dossier, out: Path) -> str:
         claims=[(one, _row(one, dossier.evidence if shows_cells else ())) for one in dossier.claims],
         shows_cells=shows_cells,
         badge=lambda verdict: _BADGES.get(verdict, "INVALID"),
-        margin=_margin,
         named=named,
         rows=_rows,
-        links={one.number: _link(one, out) for one in dossier.evidence},
+        link=lambda one: report_address(one.folder, out / REPORT),
         assumptions=_assumptions(dossier.evidence),
         published={one.published[0]: one.published[1] for one in dossier.evidence if one.published},
     )
@@ -58,21 +56,20 @@ def _row(claim: Claim, evidence: Sequence[Evidence]) -> dict[str, Any]:
     counts = {_SHORT.get(word, word): len(claim.of(word)) for word in (KEPT, VIOLATED, OPEN, SILENT)}
     counts["unchecked"] = sum(bool(run.evidence.problems) for run in claim.runs)
     passed = sum(test.result == PASSED for test in claim.tests)
-    searched = sum(search.runs for search in claim.searches)
-    found = sum(search.violations for search in claim.searches)
+    searched = sum(search.runs for _, search in claim.searches)
+    found = sum(search.violations for _, search in claim.searches)
     return {
         "runs": ", ".join(f"{count} {word}" for word, count in counts.items() if count),
         "tests": f"{passed} of {len(claim.tests)} passed" if claim.tests else "",
         "searched": f"{found or 'none'} in {searched:,}" if searched else "",
-        "least": "" if claim.worst is None else f"{_margin(claim.worst)} in {claim.worst.evidence.name}",
         "cells": [_cell(one, claim) for one in evidence],
     }
 
 
 def _cell(item: Evidence, claim: Claim) -> tuple[str, str, str]:
     """A sign of the matrix, its class, and what stands under the pointer."""
-    for search in claim.searches:
-        if search.evidence.number == item.number:
+    for other, search in claim.searches:
+        if other.number == item.number:
             sign, kind = ("✗", "violated") if search.violations else ("s", "")
             return sign, kind, f"{item.name}: {search.said}"
     run = next((run for run in claim.runs if run.evidence.number == item.number), None)
@@ -81,11 +78,6 @@ def _cell(item: Evidence, claim: Claim) -> tuple[str, str, str]:
     kind = "doubtful" if item.problems else "violated" if run.verdict == VIOLATED else ""
     said = ", ".join(filter(None, (run.verdict, run.why_not)))
     return "?" if item.problems else _SIGNS[run.verdict], kind, f"{item.name}: {said}"
-
-
-def _margin(run: Run) -> str:
-    outcome = run.judged.outcome
-    return "" if outcome is None or outcome.margin is None else f"{outcome.margin:.4g} {outcome.unit}".rstrip()
 
 
 def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
@@ -102,13 +94,6 @@ def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
             0, f"{count_of(len(further), 'further run')} with larger margins: {named(run.evidence for run in further)}"
         )
     return shown, rest
-
-
-def _link(one: Evidence, out: Path) -> str:
-    """Address of a folder relative to the page: its own page, else the folder."""
-    target = one.folder / REPORT
-    found = os.path.relpath(target if target.is_file() else one.folder, out)
-    return quote(Path(found).as_posix())
 
 
 def _assumptions(evidence: Iterable[Evidence]) -> dict[str, list[Evidence]]:

@@ -181,8 +181,9 @@ def read_validation(folder: Path) -> Validation:
         root, cases = _cases(path)
         outcomes.update(map(_outcome, cases))
         failed += [f"{one.get('classname')}.{one.get('name')}" for one in cases if _outcome(one) in ("failed", "error")]
-        for entry in root.iter("property"):
-            said.get(entry.get("name", ""), {})[entry.get("value", "")] = None
+        properties = [(entry.get("name"), entry.get("value", "")) for entry in root.iter("property")]
+        for key in (CODE, VERSION):
+            said[key] |= dict.fromkeys([value for name, value in properties if name == key] or ["not named"])
         for suite in root.iter("testsuite"):
             for key in ("timestamp", "hostname"):
                 said[key] |= {suite.get(key, ""): None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,11 +16,15 @@ from hypothesis import strategies as st
 import railhil
 from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.cli import Railhil, complaint
+from hil_tests.support.paths import ROOT
 from hil_tests.support.requirement_lists import reqif_text
 from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.common.version import full_version
 from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN
 from railhil.dossier.dossier import Dossier, make_dossier
 from railhil.dossier.page import page
+from railhil.dossier.tests import read_validation
+from railhil.judge.folder import code_sha256
 from railhil.judge.requirements.requirement import named_requirements
 from railhil.judge.requirements.sentence import VIOLATED
 from railhil.record.hash_list import read_hash_list, write_hash_list
@@ -169,6 +174,14 @@ def test_a_requirement_that_fits_no_run_has_no_evidence(copied: Copied, tmp_path
     assert "does not fit the scenario" in " ".join(found.claims[0].gaps)
 
 
+def test_the_sentence_of_the_list_counts_and_the_other_one_is_said(copied: Copied, tmp_path: Path) -> None:
+    listed = tmp_path / "listed.toml"
+    listed.write_text('[[requirement]]\nid = "R-1"\nsays = "never true_speed > 0.1 km/h"\n')
+    found = _of(copied("kept").parent, listed)
+    assert _verdicts(found)["R-1"] == VIOLATED
+    assert "when it was made, R-1 was another sentence: never true_speed > 20 km/h" in found.claims[0].deviations
+
+
 def test_a_listed_requirement_is_judged_on_runs_that_did_not_have_it(copied: Copied, tmp_path: Path) -> None:
     listed = tmp_path / "listed.toml"
     listed.write_text('[[requirement]]\nid = "X-1"\nsays = "never true_speed > 0.1 km/h"\n')
@@ -186,6 +199,23 @@ def _junit(path: Path, outcome: str, requirement: str, *hashes: str) -> None:
         f'<testsuites><testsuite><testcase classname="test_a" name="test_b">{outcome}<properties>{listed}</properties>'
         "</testcase></testsuite></testsuites>"
     )
+
+
+def test_a_list_in_reqif_names_the_requirements_and_gets_the_results(
+    here: Railhil, copied: Copied, tmp_path: Path
+) -> None:
+    pytest.importorskip("reqif", reason="MISSING CAPABILITY reqif (extra requirements)")
+    rows = [("R-1", "It is slow.", "never true_speed &gt; 20 km/h"), ("A-1", "It is green.", "")]
+    (tmp_path / "train.reqif").write_text(reqif_text(rows))
+    run = copied("kept")
+    done = here("dossier", run, "--requirements", tmp_path / "train.reqif", "--out", tmp_path / "out", "--json")
+    verdicts = {one["id"]: one["verdict"] for one in done.json["claims"]}
+    assert verdicts == {"R-1": SHOWN, "A-1": NONE, "R-2": NOT_SHOWN}
+    assert "A-1 no evidence: no run, no test and no search is about it" in done.json["gaps"]
+    assert "It is green." in (tmp_path / "out" / "report.html").read_text()
+    copy = (tmp_path / "out" / "train_results.reqif").read_text()
+    assert (copy.count("RAILHIL_VERDICT") > 1, "no evidence" in copy) == (True, True)
+    assert here("verify", tmp_path / "out").exit_code == 0
 
 
 def test_a_passed_test_shows_its_requirement_if_its_runs_are_there_and_check(copied: Copied) -> None:
@@ -240,6 +270,24 @@ def test_a_hunt_speaks_against_a_requirement_and_alone_not_for_one(copied: Copie
     found = _of(run.parent)
     assert (_verdicts(found)["R-1"], _verdicts(found)["H-1"]) == (VIOLATED, NOT_SHOWN)
     assert "only searched for: not found is not absence" in "".join(found.gaps)
+    rows[1]["violations"] = "many"
+    (hunt / "summary.json").write_text(json.dumps({"seed": 3, "requirements": rows}))
+    write_hash_list(hunt)
+    assert "summary.json: other keys than railhil writes" in "".join(_of(run.parent).gaps)
+
+
+def test_a_probability_tells_how_often_and_shows_nothing(copied: Copied, tmp_path: Path) -> None:
+    copied("kept")
+    folder = tmp_path / "runs" / "p"
+    folder.mkdir()
+    summary = {"p": 1e-5, "low": 5e-6, "high": 2e-5, "runs": 900, "requirement": {"id": "P-1", "says": "never true"}}
+    (folder / "probability.json").write_text("{}")
+    (folder / "summary.json").write_text(json.dumps(summary))
+    write_hash_list(folder)
+    found = _of(tmp_path / "runs")
+    (claim,) = (one for one in found.claims if one.id == "P-1")
+    assert claim.verdict == NOT_SHOWN
+    assert claim.searches[0][1].said == "a drawn run violates it with P = 1e-05, 95 % interval 5e-06 to 2e-05"
 
 
 def _validation(folder: Path, code: str, outcome: str = "") -> Path:
@@ -262,6 +310,15 @@ def test_the_tool_is_validated_by_results_of_its_own_code_alone(copied: Copied, 
     failed = _of(run, validation=_validation(tmp_path / "v", code, "<failure/>"))
     assert not failed.tools[0].validated
     assert "a test of railhil itself failed: a.b" in failed.gaps
+
+
+@pytest.mark.slow
+def test_a_report_of_railhils_own_tests_names_the_code_under_test(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={tmp_path / 'here.xml'}", "-n", "2"]
+    subprocess.run([*command, "hil_tests/unit/common/test_digits.py"], cwd=ROOT, check=True, timeout=300)
+    found = read_validation(tmp_path)
+    assert (found.codes, found.versions) == ((code_sha256(),), (full_version(),))
+    assert (*found.outcomes,) == ("passed",)
 
 
 def _sign(folder: Path, key: Path) -> Path:
