@@ -36,6 +36,7 @@ NAMES = (
     "campaign",
     "codec",
     "memory",
+    "index",
     "predictive_peer",
     "training",
 )

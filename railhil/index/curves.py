@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 from railhil.common.errors import InputError
 from railhil.common.user_files import whole_file
 from railhil.index.find import INDEX
+from railhil.index.tables import read_parquet
 from railhil.report.display_columns import ShownColumn, shown_columns
 from railhil.scenarios.scenario_documents import SCENARIO, read_scenario
 
@@ -85,8 +86,8 @@ def _points(root: Path, folder: str, column: str, stamp: str) -> dict[str, Any] 
 
 def _read(root: Path) -> dict[str, dict[str, Any]]:
     try:
-        return {row["folder"]: row for row in pq.read_table(root / INDEX / _FILE, schema=_SCHEMA).to_pylist()}
-    except (OSError, pa.ArrowException):
+        return {row["folder"]: row for row in read_parquet(root / INDEX / _FILE).cast(_SCHEMA).to_pylist()}
+    except (OSError, ValueError, pa.ArrowException):
         return {}
 
 

@@ -102,13 +102,12 @@ def open_index(
         for name, more in rows_of(root, one).items():
             rows[name] += more
         rows["folders"][-1][STAMP] = one.stamp
-    index = Index(root, {}, frozenset(one.folder for one in changed), remarks)
-    is_same = not changed and len(same) == len(stamps)
-    for name, schema in SCHEMAS.items():
-        made = _table(rows[name], schema)
-        index.tables[name] = kept[name] if kept and is_same else _joined(kept.get(name), made, same)
-    if not is_same:
-        _write(index)
+    if kept and not changed and len(same) == len(stamps):
+        # Making a table, even an empty one, would load pandas.
+        return Index(root, kept, remarks=remarks)
+    tables = {name: _joined(kept.get(name), _table(rows[name], schema), same) for name, schema in SCHEMAS.items()}
+    index = Index(root, tables, frozenset(one.folder for one in changed), remarks)
+    _write(index)
     return index
 
 
@@ -126,12 +125,21 @@ def _joined(kept: pa.Table | None, made: pa.Table, same: Sequence[str]) -> pa.Ta
     return made.take(pc.sort_indices(made, [("folder", "ascending")]))
 
 
+def read_parquet(path: Path) -> pa.Table:
+    """A table that was kept. ``pq.read_table`` would load pandas, half a second.
+
+    :raises OSError: there is none. :raises pa.ArrowException: it is damaged.
+    """
+    with pq.ParquetFile(path) as file:
+        return file.read()
+
+
 def _read(root: Path) -> dict[str, pa.Table]:
     """The tables that were kept; none if one is missing, damaged, or of another format or time than the others."""
     found: dict[str, pa.Table] = {}
     try:
         for name in SCHEMAS:
-            found[name] = pq.read_table(root / INDEX / f"{name}.parquet", memory_map=False)
+            found[name] = read_parquet(root / INDEX / f"{name}.parquet")
     except (OSError, pa.ArrowException):
         return {}
     marks = {tuple(sorted((one.schema.metadata or {}).items())) for one in found.values()}
