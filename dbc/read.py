@@ -182,8 +182,9 @@ def _dbc_sha256(file: str, text: str) -> str:
 def _made(file: str, table: Mapping[str, Any]) -> Contract:
     """The contract of a parsed port table, without the hash of its DBC; the ports of the house are added unless the
     table repeats them, and those of the table that it extends."""
-    ports = _extended_ports(file, table) + _ports(file, table)
-    bus, house = table.get("bus", {}), _house_table()
+    base = _base_table(file, table)
+    ports = _ports(file, table, base) + _extended_ports(file, table, base)
+    bus, house = {**base.get("bus", {}), **table.get("bus", {})}, _house_table()
     names = [port.name for port in ports]
     repeated = [entry["name"] for entry in house["port"] if entry["name"] in names]
     if repeated and "bit_rate" not in bus:
@@ -204,14 +205,14 @@ def _made(file: str, table: Mapping[str, Any]) -> Contract:
     )
 
 
-def _extended_ports(file: str, table: Mapping[str, Any]) -> list[Port]:
-    """The ports of the table of railhil that a table extends.
+def _base_table(file: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The table of railhil that a table extends; empty: it extends none.
 
-    :raises ContractError: there is no such table, it extends another one, or a port is in both.
+    :raises ContractError: there is no such table, or it extends another one.
     """
     name = table.get("extends")
     if name is None:
-        return []
+        return {}
     base = _FOLDER / str(name)
     if base.name != name or name == HOUSE or not base.is_file():
         known = sorted(path.name for path in _FOLDER.glob("*.toml") if path.name not in (HOUSE, file))
@@ -219,12 +220,24 @@ def _extended_ports(file: str, table: Mapping[str, Any]) -> list[Port]:
     base_table = tomllib.loads(_text(base))
     if "extends" in base_table:
         raise ContractError(f"{file}: extends: found {name!r}, which extends another table, allowed one that does not")
-    ports = _ports(base.name, base_table)
-    own = {str(entry["name"]) for entry in table["port"]}
-    for port in ports:
-        if port.name in own:
-            raise ContractError(f"{file}: {port.name}.name: found a port of {name}, allowed another name")
-    return ports
+    return base_table
+
+
+def _extended_ports(file: str, table: Mapping[str, Any], base: Mapping[str, Any]) -> list[Port]:
+    """The ports of the extended table that are not replaced.
+
+    :raises ContractError: a port is in both, or replaces none.
+    """
+    own = {str(entry["name"]): bool(entry.get("replaces")) for entry in table["port"]}
+    ports = _ports(table["extends"], base) if base else []
+    known = {port.name for port in ports}
+    for port, replaces in own.items():
+        if port in known and not replaces:
+            allowed = "another name, or replaces = true"
+            raise ContractError(f"{file}: {port}.name: found a port of {table['extends']}, allowed {allowed}")
+        if replaces and port not in known:
+            raise ContractError(f"{file}: {port}.replaces: found true, allowed only for a port of the extended table")
+    return [port for port in ports if port.name not in own]
 
 
 @cache
@@ -232,14 +245,18 @@ def _house_table() -> Mapping[str, Any]:
     return tomllib.loads((_FOLDER / HOUSE).read_text(encoding="utf-8"))
 
 
-def _ports(file: str, table: Mapping[str, Any]) -> list[Port]:
-    """The ports of a parsed port table, in its order."""
+def _ports(file: str, table: Mapping[str, Any], base: Mapping[str, Any] | None = None) -> list[Port]:
+    """The ports of a parsed port table, in its order.
+
+    :param base: the table that it extends, whose shared layouts it may name.
+    """
     ports: list[Port] = []
+    shared = {**(base or {}).get("shared", {}), **table.get("shared", {})}
     for entry in table["port"]:
         name = str(entry["name"])
         entries, layout = entry["signals"], ""
         if isinstance(entries, str):
-            layout, entries = _camel_case(entries), table["shared"][entries]
+            layout, entries = _camel_case(entries), shared[entries]
         prefix = name.split("_")[0].capitalize()
         is_only_check = [item.get("check") for item in entries].count("chk") == 1
         port = Port(

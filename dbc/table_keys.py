@@ -33,7 +33,7 @@ _OF_PORT = (
         "comment": _TEXT,
         "signals": _LAYOUT,
     },
-    {"optional": _FLAG, "telegram": _TEXT},
+    {"optional": _FLAG, "telegram": _TEXT, "replaces": _FLAG},
 )
 _OF_SIGNAL = (
     {"name": _TEXT, "at": _TEXT},

@@ -108,6 +108,15 @@ def test_a_table_extends_one_of_railhil_by_its_own_ports() -> None:
     assert {port.name for port in own_ports(whole, base)} >= {"DOOR_CMD", "ATP_STAT"}
 
 
+def test_a_table_may_replace_ports_of_the_one_that_it_extends(tmp_path: Path) -> None:
+    one, three = (system_contract(place_of("dbc") / f"{name}.toml") for name in ("hst1", "emu3"))
+    assert [port.name for port in one.ports if port not in three.ports] == ["LAW_STAT", "TRUTH"]
+    assert {port.name for port in one.ports} < {port.name for port in three.ports}
+    path = changed(tmp_path, "f_code = 1", "replaces = true\nf_code = 1")
+    with pytest.raises(ContractError, match="replaces: found true, allowed only for a port of the extended table"):
+        system_contract(path)
+
+
 @pytest.mark.parametrize(
     ("name", "said"),
     [
