@@ -93,20 +93,24 @@ def test_nothing_is_known_without_a_run(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "kept").iterdir() if path.is_dir()] == []
 
 
-def test_most_random_pairs_have_a_verdict() -> None:
-    done = railhil("faults", PAIRS, "--pairs", "2", "--seed", "1", "--jobs", "2", "--json")
+def test_most_random_pairs_have_a_verdict(tmp_path: Path) -> None:
+    words = ("--pairs", "2", "--seed", "1", "--jobs", "2", "--json", "--out", tmp_path / "kept")
+    done = railhil("faults", PAIRS, *words)
     assert done.exit_code == 0, done.err
     assert done.json["broken"] == []
     verdicts = done.json["verdicts"]
     assert sum(verdicts.values()) == 2
     assert verdicts["PASS"] + verdicts["FAIL"] >= 1
+    page = (tmp_path / "kept" / "report.html").read_text(encoding="utf-8")
+    assert "2 random pairs of faults" in page
+    assert railhil("verify", tmp_path / "kept").exit_code == 0
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (["--pairs", "2", "--only", "T2"], "--only: cannot be given with --pairs"),
-        (["--pairs", "2", "--out", "kept"], "--out: cannot be given with --pairs"),
+        (["--pairs", "2", "--out", "a_file"], "--out: found 'a_file', allowed an empty or new folder"),
         (["--only", "T2", "--out", "a_file"], "--out: found 'a_file', allowed a folder"),
     ],
 )

@@ -18,7 +18,7 @@ from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
 from railhil.judge.judging import Judging
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.report.study_page import Link, Table, study_page
+from railhil.report.study_page import Link, Part, Table, study_page
 from railhil.report.templates import write_html
 from railhil.scenarios.given import RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
@@ -43,7 +43,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, 
     judging = plan.judging
     lead = f"{headline(summary)}: {judging.asked(plan.scenario)}. Begun with railhil {railhil}."
     worst = [_worst(label, run, folder, judging) for label, law in summary["laws"].items() for run in law["worst"]]
-    parts = [
+    parts: list[Part] = [
         *failure_sentences(summary),
         distributions(summary, plan.criteria, table),
         *(_table(place, made) for place, made in enumerate(tables(summary, judging), 1)),

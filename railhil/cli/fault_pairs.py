@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -86,16 +86,25 @@ def pair_run(
 
 
 def pairs(
-    base: RunSpec, system: System, count: int, jobs: int, console: Output, *, controller: str | None, as_json: bool
+    base: RunSpec,
+    system: System,
+    count: int,
+    jobs: int,
+    console: Output,
+    keep: Callable[..., str],
+    *,
+    controller: str | None,
+    as_json: bool,
 ) -> int:
     """Random pairs: number n is always the same pair. After a signal it prints the number of pairs made.
 
+    :param keep: writes the table of all ``pairs``, and returns a line on its page.
     :param controller: the law that the user has named.
     :param as_json: print the verdicts as JSON.
     """
     numbers = range(base.seed, base.seed + count)
     counts: Counter[str] = Counter()
-    broken: list[PairVerdict] = []
+    all_made: list[PairVerdict] = []
     with until_stopped() as stop, TemporaryDirectory(prefix="railhil-faults-") as out:
         calm = faultless_run(base, Path(out))
         run_pair = partial(pair_run, base, system, calm, Path(out))
@@ -105,17 +114,21 @@ def pairs(
         ):
             for run in in_order(results):
                 counts[run.verdict] += 1
+                all_made.append(run)
                 if run.failures:
-                    broken.append(run)
                     console.say(f"pair {run.number}: {'; '.join(run.failures)}")
                     law = f" --controller {controller}" if controller else ""
                     console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
                     console.file.flush()
                 shown(counts.total(), "pairs")
+    broken = [run for run in all_made if run.failures]
+    line = keep(pairs=[run.as_json() for run in all_made]) if all_made else ""
     if as_json:
         print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
     found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"
     pairs_made = count_of(len(numbers), "pair")
     made = f"{stop.after(counts.total(), len(numbers))} pairs" if stop.code else pairs_made
     console.say(f"{made}: {found}; {len(broken)} break a rule")
+    if line:
+        console.say(line)
     return stop.code or (FAIL if broken else INVALID if counts["none"] else PASS)

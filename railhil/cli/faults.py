@@ -14,27 +14,23 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.fault_pairs import pairs
+from railhil.cli.fault_table import check_new, keep_table
 from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence, describe_os_error
+from railhil.common.errors import InputError, Sentence
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, show_progress, table
 from railhil.common.streams import add_json_argument, print_json
-from railhil.common.user_files import RecordFailed, whole_file
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
 from railhil.faults.page import lines
 from railhil.faults.words import CLEAR, PLACES, WORDS
-from railhil.judge.folder import code_sha256, made_by
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, evaluated, seen_in
-from railhil.record.documents import FAULT_TABLE
-from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import json_text, remove_torn_run
-from railhil.record.signature import add_sign_argument, check_key, sign_list
+from railhil.record.run_folder import remove_torn_run
+from railhil.record.signature import add_sign_argument, check_key
 from railhil.run.make import NeverBegan, run_into
-from railhil.run.report import say_report
 from railhil.scenarios.given import given_controller
 from railhil.scenarios.options import OR_YOURS, add_option
 from railhil.scenarios.run_spec import RunSpec
@@ -137,46 +133,6 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     return row
 
 
-def _write_table(
-    out: Path, base: RunSpec, entries: Sequence[Entry], rows: Sequence[Row], key: Path | None, is_shown: bool
-) -> str:
-    """Write the table and its page beside the run folders, with the list of hashes over all of them, and sign it.
-
-    :param is_shown: whether there is to be a page. :returns: a line on it. :raises RecordFailed: the table cannot be
-        written.
-    """
-    system = base.load().installed_system
-    document = {
-        "scenario": base.scenario,
-        "system": system.name,
-        # The run folder of an entry with a law of its own names this law.
-        "controller": base.law.controller,
-        "seed": base.seed,
-        "entries": [entry.id for entry in entries],
-        **made_by(system.name, base.law.controller, code_sha256()),
-        "rows": [row.as_json() for row in rows],
-        HASH_LIST_KEY: HASH_LIST,
-    }
-    path = out / FAULT_TABLE
-    try:
-        # Possibly no entry has had a run.
-        out.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as draft:
-            draft.write_text(json_text(document), encoding="utf-8")
-            write_hash_list(out, {FAULT_TABLE: draft})
-    except OSError as error:
-        raise RecordFailed(f"{path} cannot be written: {describe_os_error(error)}") from error
-
-    def write(page: Path) -> None:
-        from railhil.report.fault_matrix import report_of
-
-        report_of([out], page)
-
-    line = say_report(out, write) if is_shown else ""
-    sign_list(out, key)
-    return line
-
-
 def _millis(seconds: float | None, since_s: float | None) -> str:
     return "-" if seconds is None or since_s is None else f"{(seconds - since_s) * 1e3:.0f}"
 
@@ -228,13 +184,14 @@ def work(namespace: argparse.Namespace) -> int:
     base = run_spec(namespace, namespace.controller, None)
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)
-    if namespace.pairs is not None:
-        for option, given in (("--only", namespace.only), ("--out", namespace.out), ("--sign", namespace.sign)):
-            if given is not None:
-                raise InputError("command line", option, str(given), Sentence("cannot be given with --pairs"))
-        named, as_json = namespace.controller, namespace.json
-        return pairs(base, system, namespace.pairs, jobs, console, controller=named, as_json=as_json)
     check_key(namespace.sign)
+    keep = partial(keep_table, namespace.out, base, key=namespace.sign, is_shown=not namespace.no_report)
+    if namespace.pairs is not None:
+        if namespace.only is not None:
+            raise InputError("command line", "--only", namespace.only, Sentence("cannot be given with --pairs"))
+        check_new(namespace.out)
+        named, as_json = namespace.controller, namespace.json
+        return pairs(base, system, namespace.pairs, jobs, console, keep, controller=named, as_json=as_json)
     entries = _entries(namespace.only, system)
     _check_out(namespace.out, entries)
     rows: list[Row] = []
@@ -251,9 +208,7 @@ def work(namespace: argparse.Namespace) -> int:
                     rows.append(row)
                     shown(len(rows), "runs")
         rows.sort(key=lambda row: entries.index(row.entry))
-    line = ""
-    if namespace.out is not None and rows:
-        line = _write_table(namespace.out, base, entries, rows, namespace.sign, not namespace.no_report)
+    line = keep(entries=[entry.id for entry in entries], rows=[row.as_json() for row in rows]) if rows else ""
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:

@@ -133,10 +133,18 @@ class _FaultRow(_Part):
     safe_s: float | None = None
 
 
+class _FaultPair(_Part):
+    number: int
+    faults: list[str]
+    verdict: str
+    failures: list[str]
+
+
 class _FaultTable(_MadeBy):
     scenario: str = ""
     seed: int | None = None
     entries: list[str] = []
+    pairs: list[_FaultPair] = []
     rows: list[_FaultRow]
 
 

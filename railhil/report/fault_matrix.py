@@ -6,6 +6,8 @@ function of them alone. Tables of one system stand side by side.
 
 from __future__ import annotations
 
+import shlex
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import Any
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
+from railhil.faults.language import parse
 from railhil.judge.reactions.catalogue import ENDS
 from railhil.judge.reactions.evaluate import Row
 from railhil.record.documents import FAULT_TABLE, read_fault_table
@@ -49,13 +52,41 @@ class Table:
     @property
     def verdict(self) -> str:
         """PASS, FAIL, or INVALID if nothing was run or the command was stopped."""
-        if any(row.failures for row in self.rows):
+        if any(row.failures for row in self.rows) or self.broken:
             return "FAIL"
-        return "PASS" if self.made and not self.missing else "INVALID"
+        return "PASS" if (self.made and not self.missing) or self.pairs else "INVALID"
+
+    @property
+    def pairs(self) -> Sequence[Mapping[str, Any]]:
+        """The runs with two random faults each."""
+        return self.document.get("pairs", ())
+
+    @property
+    def broken(self) -> list[tuple[Mapping[str, Any], str]]:
+        """The pairs that break a rule of every run, and the command that makes each again."""
+        words = ["railhil", "run", str(self.document["scenario"]), "--controller", str(self.document["controller"])]
+        return [
+            (one, shlex.join([*words, "--seed", str(one["number"]), *(f"--fault={text}" for text in one["faults"])]))
+            for one in self.pairs
+            if one["failures"]
+        ]
+
+    @property
+    def combined(self) -> tuple[list[str], dict[tuple[str, str], list[Mapping[str, Any]]]]:
+        """The places of all faults, and the pairs at each two places, in their order."""
+        found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+        for one in self.pairs:
+            first, second = sorted(fault.place.level for fault in map(parse, one["faults"]))
+            found.setdefault((first, second), []).append(one)
+        return sorted({place for places in found for place in places}), found
 
     @property
     def says(self) -> str:
         """The result in a sentence."""
+        if self.pairs:
+            counts = Counter(one["verdict"] for one in self.pairs)
+            ends = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
+            return f"{count_of(len(self.pairs), 'random pair')} of faults ({ends}); {len(self.broken)} break a rule"
         wrong = [row.entry.id for row in self.rows if row.failures]
         absent = [row.entry.id for row in self.rows if not row.made]
         result = f"not as it must be: {', '.join(wrong)}" if wrong else "each as it must be"

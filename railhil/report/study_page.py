@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from railhil.charts.figure import Figure
 from railhil.report.templates import render_page
@@ -36,10 +36,14 @@ class Table:
     note: str = ""
 
 
+#: A sentence, a table or a figure of the page.
+Part: TypeAlias = "str | Table | Figure | Picture"
+
+
 def study_page(
     title: str,
     lead: str,
-    parts: Sequence[str | Table | Figure | Picture],
+    parts: Sequence[Part],
     verdicts: Sequence[tuple[str, str]] = (),
     warnings: Sequence[str] = (),
 ) -> str:

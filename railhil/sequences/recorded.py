@@ -65,7 +65,7 @@ def _table(criteria: Sequence[Criterion], made: Sequence[Made], runs: Sequence[R
         "left",
         "frames",
     ]
-    rows = [
+    rows: list[list[str | Link]] = [
         [
             Link(str(one.run), address_of(run.folder, out)),
             one.verdict,

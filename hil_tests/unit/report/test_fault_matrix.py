@@ -35,6 +35,7 @@ def table(folder: Path, *rows: Row, **changed: Any) -> Path:
     for row in rows:
         (folder / row.entry.id).mkdir(parents=True, exist_ok=True)
     by = {"system": "ato", "scenario": "yizhuang_05", "controller": "ipfc", "railhil": "1", "code_sha256": "0" * 64}
+    folder.mkdir(exist_ok=True)
     document = {**by, **changed, "rows": [row.as_json() for row in rows]}
     (folder / FAULT_TABLE).write_text(json.dumps(document))
     return folder
@@ -99,6 +100,18 @@ def test_tables_of_one_system_stand_side_by_side(tmp_path: Path) -> None:
     assert "140 ms, &lt;70&gt;" in beside
     assert beside.count("<td") == 2
     assert 'href="../b/T2b"' in text
+
+
+def test_pairs_are_counted_by_their_places_and_a_broken_rule_has_its_command(tmp_path: Path) -> None:
+    faults = ["TRN_SPEED loss 100% @20s", "sensor.speed stuck @21s"]
+    kept = {"number": 7, "faults": faults, "verdict": "PASS", "failures": []}
+    broken = kept | {"number": 8, "verdict": "FAIL", "failures": ["invariant 2: traction at SERVICE BRAKE"]}
+    text = page(table(tmp_path, pairs=[kept, broken]))
+    assert "2 random pairs of faults (1 FAIL, 1 PASS); 1 break a rule" in text
+    assert 'class="badge FAIL"' in text
+    assert "invariant 2: traction at SERVICE BRAKE" in text
+    assert "--seed 8 &#39;--fault=TRN_SPEED loss 100% @20s&#39;" in text
+    assert 'data-name="telegram">2 <span class="said">1</span>' in text
 
 
 def test_a_table_without_the_demands_of_its_entries_is_refused_in_a_line(tmp_path: Path) -> None:
