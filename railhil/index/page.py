@@ -32,8 +32,8 @@ _COMMON = ("folder", "kind", "scenario", "system", "law", "seed", "version", "ve
            "has_report")  # fmt: skip
 #: What is told of a run when it is compared.
 _OF_RUNS = (
-    *(name for name in FACTS if name not in ("controller", "seed")), *LISTS, "parameters", "memory_sha256", "why",
-    "ended", "command", "sim_time_s", "wall_time_s", "speed_factor",
+    *(name for name in FACTS if name not in ("controller", "seed")), *LISTS, "host", "operator", "parameters",
+    "memory_sha256", "why", "ended", "command", "sim_time_s", "wall_time_s", "speed_factor",
 )  # fmt: skip
 
 

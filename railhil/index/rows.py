@@ -10,6 +10,7 @@ import csv
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -73,7 +74,10 @@ def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     certificate, score = read_certificate(folder), read_score(folder)
     _check(folder, CERTIFICATE, certificate, SCORE)
     assert certificate is not None
-    score = score or {}
+    score, recorded = score or {}, certificate.get("recorded") or {}
+    if "utc" in recorded:
+        # It is the same in a copy, whose files may have other dates.
+        head["made"] = datetime.fromisoformat(recorded["utc"]).astimezone(UTC)
     run, parameters = score.get("run", {}), certificate.get("parameters")
     law = law_label(certificate, "?")
     common = {
@@ -88,6 +92,8 @@ def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     facts = {name: certificate.get(name) for name in FACTS}
     facts |= {name: certificate.get(name) or [] for name in LISTS}
     facts |= {
+        "host": recorded.get("host"),
+        "operator": recorded.get("operator"),
         "command": certificate.get("command"),
         "parameters": None if parameters is None else json.dumps(parameters["values"], sort_keys=True),
         "memory_sha256": (certificate.get("memory") or {}).get("sha256"),
@@ -99,7 +105,7 @@ def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     key = {"folder": found.folder}
     return {
         "folders": [head | common],
-        "runs": [key | {"made": found.made} | common | facts | {name: _number(one) for name, one in scores.items()}],
+        "runs": [key | {"made": head["made"]} | common | facts | {name: _number(one) for name, one in scores.items()}],
         "requirements": [key | _only(one, REQUIREMENT) for one in score.get("requirements", [])],
         "faults": [key | _only(one, FAULT) for one in certificate.get("injected", [])],
         "events": [key | one for one in _events(folder / EVENTS)] if EVENTS in found.names else [],

@@ -23,7 +23,7 @@ _KINDS: Mapping[type, pa.DataType] = {str: pa.string(), float: pa.float64(), int
 _MADE = pa.field("made", pa.timestamp("ms", tz="UTC"))
 _NUMBERS = {"seed": pa.int64(), "run_number": pa.int64(), "frames": pa.int64(), "perturbed": pa.bool_()}
 _COMMON = ("scenario", "system", "law", "seed", "version", "verdict", "line")
-_TEXTS = ("command", "parameters", "memory_sha256", "why", "ended")
+_TEXTS = ("host", "operator", "command", "parameters", "memory_sha256", "why", "ended")
 
 
 def _schema(names: Iterable[str], **others: pa.DataType) -> list[pa.Field]:
@@ -57,7 +57,7 @@ SCHEMAS: Final[Mapping[str, pa.Schema]] = {
     ),
 }  # fmt: skip
 #: What rows mean beside their columns: another number when they are read in another way.
-_READING = 1
+_READING = 2
 _FORMAT = sha256(f"{_READING} {[str(one) for one in SCHEMAS.values()]}".encode()).digest()
 
 

@@ -76,7 +76,8 @@ class IndexServer(PanelServer):
             return self._opened[key]._serve_file(connection, replace(request, path=f"/{rest}"))
         if parts.path == "/":
             return self._page(page(open_index(self._root), "", is_served=True).encode(), "text/html", _INDEX_POLICY)
-        return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
+        found = HTTPStatus.NO_CONTENT if parts.path == "/favicon.ico" else HTTPStatus.NOT_FOUND
+        return connection.respond(found, "" if found is HTTPStatus.NO_CONTENT else "not found\n")
 
     def _open(self, connection: ServerConnection, folders: Sequence[str]) -> Response:
         """The page of these runs, at an address of its own."""

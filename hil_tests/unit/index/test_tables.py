@@ -157,6 +157,14 @@ def test_the_instant_is_that_of_the_name_else_that_of_the_document(tmp_path: Pat
     assert made["mine"] == "2001-09-09T01:46:40+00:00"
 
 
+def test_a_date_in_the_certificate_comes_first(tmp_path: Path) -> None:
+    recorded = {"utc": "2026-11-05T06:07:08Z", "host": "bench-1", "operator": "ann"}
+    write_run(tmp_path / "20261128T164714Z-a", recorded=recorded)
+    (row,) = _rows(tmp_path).values()
+    assert row["made"].isoformat() == "2026-11-05T06:07:08+00:00"
+    assert (row["host"], row["operator"]) == ("bench-1", "ann")
+
+
 def test_a_run_folder_itself_is_a_directory_of_one(runs: Path) -> None:
     assert list(_rows(runs / "one")) == ["."]
 
