@@ -93,8 +93,8 @@ def test_every_drawn_speed_is_one_of_the_record(page: Any, recorded: Path) -> No
     trace = trace_of(read_log(recorded / "frames.log"), wire_contract())
     position_m, speed_kmh = trace.values(SimTruth.PORT, "TruePos"), trace.values(SimTruth.PORT, "TrueSpeed") * 3.6
     drawn = page.evaluate(
-        "(() => { const [x, y] = railhilCharts.drawn(document.querySelector('#line .rc-chart')); "
-        "return [...x].map((at, n) => [at, y[n]]).filter(([, value]) => value != null); })()"
+        "(() => { const all = railhilCharts.drawn(document.querySelector('#line .rc-chart')), y = all['true speed']; "
+        "return all.position.map((at, n) => [at, y[n]]).filter(([, value]) => value != null); })()"
     )
     assert len(drawn) > 100
     known = np.stack((position_m, speed_kmh), axis=1)

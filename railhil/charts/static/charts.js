@@ -3,7 +3,7 @@
    railhilCharts.chart(parent, description, data)   curves                        -> handle
    railhilCharts.tracks(parent, description, data)  levels over x, as bands       -> handle
    railhilCharts.join([[x, y, ...], ...])           data of several x, as uPlot.join
-   railhilCharts.drawn(element)                     the data of a chart's element, for tests
+   railhilCharts.drawn(element)                     of a chart's element the values by their labels, for tests
    railhilCharts.setTheme("dark" | "light" | "")    ""; what the system asks for; redraws all charts
    railhilCharts.colour(name)                       CSS colour of "0".."6", "target", "ink", "dim", "fault" ...
 
@@ -28,7 +28,7 @@
    handle: {
      setData(data),                  new values; a zoom of the reader stays
      setMarkers(markers),
-     setPlaces([x, ...]),            triangles below the chart's curves: where something is now
+     setPlaces([x, ...], draws),     triangles below the chart's curves: where something is now; draws: at once, else with the data
      show(place, on),                one series, counted from 0
      zoom(low, high), zoom(),        range of x of the chart and those of its sync word; without figures: everything
      range(), zoomed(),              [low, high] as shown; whether that is less than everything
@@ -363,10 +363,10 @@ const railhilCharts = (() => {
         });
       },
       setMarkers(markers) { chart.markers = markers; redraw(chart); },
-      setPlaces(places) {
+      setPlaces(places, draws = true) {
         if (String(places) === String(chart.places)) return;
         chart.places = places;
-        redraw(chart);
+        if (draws) redraw(chart);
       },
       show(index, on) { plot.setSeries(index + 1, {show: on}); },
       zoom: (...ends) => view.zoom(...ends),
@@ -381,7 +381,10 @@ const railhilCharts = (() => {
     chart: (parent, description, data) => build(parent, description, data, false),
     tracks: (parent, description, data) => build(parent, description, data, true),
     join: tables => uPlot.join(tables),
-    drawn: element => [...every].find(chart => chart.element === element)?.plot.data,
+    drawn(element) {
+      const {plot} = [...every].find(chart => chart.element === element);
+      return Object.fromEntries(plot.series.map(({label}, at) => [label, Array.from(plot.data[at])]));
+    },
     setTheme, colour,
   };
 })();

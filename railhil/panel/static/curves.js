@@ -10,10 +10,18 @@ export class Curves {
   // told: called with a column, whether a note of the law has had a value.
   constructor(layout, runs, stores, onPick, told) {
     Object.assign(this, { layout, runs, stores, onPick, told, overDistance: false, redraws: 0, charts: [], dirty: false, hosts: new Map() });
+    // What nobody sees is not drawn.
+    this.eye = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) for (const one of this.charts) if (one.handle.element === target) one.seen = isIntersecting;
+      this.touch();
+    });
     this.build();
   }
 
-  destroy() { for (const one of this.charts) one.handle.destroy(); }
+  destroy() {
+    this.eye.disconnect();
+    for (const one of this.charts) one.handle.destroy();
+  }
 
   // The tiles: [[name, element]].
   get tiles() { return [...this.hosts]; }
@@ -73,7 +81,8 @@ export class Curves {
       const value = handle.plot.posToVal(event.offsetX, "x");
       if (Number.isFinite(value)) this.onPick(this.timeOf(value));
     });
-    this.charts.push({ handle, columns });
+    this.eye.observe(handle.element);
+    this.charts.push({ handle, columns, seen: false });
   }
 
   // Over distance an instant is where the first run was.
@@ -111,7 +120,8 @@ export class Curves {
 
   draw() {
     this.redraws += 1;
-    for (const { handle, columns } of this.charts) {
+    for (const { handle, columns, seen } of this.charts) {
+      if (!seen) continue;
       const [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
       const tables = this.stores.map((store) => this.table(store, columns, low, high));
       handle.setData(tables.length > 1 ? railhilCharts.join(tables) : tables[0]);

@@ -17,9 +17,9 @@ export class Line {
         title, unit, bare: true, height: "fill", sync: "line", lines,
         // The train has room at both ends.
         x: { label: "position", unit: columns[position].unit, range: [low - beside, high + beside] },
-        series: [...series, ...own.map((one, number) => ({ label: one.label, unit: one.unit, colour: number ? "fault" : 5,
-          dash: [6, 3], step: one.is_step, filled: !series.length, end: series.length ? one.label : undefined }))],
-      }, [[], ...series.map(() => []), ...own.map(() => [])]);
+        series: [...own.map((one, number) => ({ label: one.label, unit: one.unit, colour: number ? "fault" : 5,
+          dash: [6, 3], step: one.is_step, filled: !series.length, end: series.length ? one.label : undefined })), ...series],
+      }, [[], ...own.map(() => []), ...series.map(() => [])]);
       handle.plot.over.addEventListener("click", (event) => {
         const value = handle.plot.posToVal(event.offsetX, "x");
         if (Number.isFinite(value)) onPick(timeAt(stores[0], position, value));
@@ -28,8 +28,7 @@ export class Line {
     };
     const series = runs.flatMap((run, which) => strip.map((column, number) => {
       const label = many ? `${run.name}: ${columns[column].label}` : columns[column].label;
-      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : number % 7, end: label,
-        width: column === layout.speed ? 2 : 1, dash: DASHES[which % DASHES.length] };
+      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : number % 7, end: label, dash: DASHES[which % DASHES.length] };
     }));
     add("line", unit, series, profiles.filter((one) => one.unit === unit), named(["stop", "mark"]));
     const others = profiles.filter((one) => one.unit !== unit);
@@ -38,15 +37,14 @@ export class Line {
     this.touch();
   }
 
-  touch() {
-    if (this.dirty || !this.charts.length) return;
-    this.dirty = true;
-    requestAnimationFrame(() => {
-      this.dirty = false;
-      const { handle, profiles } = this.charts[0], [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
-      const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.layout.strip, low, high));
-      handle.setData(joined([...tables, ...profiles]));
-    });
+  // The rows have changed, or the range.
+  touch() { this.dirty = true; }
+
+  draw() {
+    this.dirty = false;
+    const { handle, profiles } = this.charts[0], [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
+    const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.layout.strip, low, high));
+    handle.setData(joined([...profiles, ...tables]));
   }
 
   // Faults, from where the first train was when they began to act.
@@ -60,11 +58,13 @@ export class Line {
 
   whole() { this.charts[0]?.handle.zoom(); }
 
-  // The trains where they are in some rows; -1: not known.
-  show(rows) {
+  // The trains where they are in some rows; -1: not known. isSeen: what nobody sees is not drawn.
+  show(rows, isSeen) {
     if (!this.charts.length) return;
     const places = rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]]));
-    for (const { handle } of this.charts) handle.setPlaces(places);
+    // A chart that is drawn anyway is not drawn twice.
+    this.charts.forEach(({ handle }, at) => handle.setPlaces(places, at > 0 || !this.dirty));
+    if (this.dirty && isSeen) this.draw();
   }
 
   destroy() { for (const { handle } of this.charts) handle.destroy(); }

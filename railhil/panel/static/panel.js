@@ -12,7 +12,7 @@ const APPEND = 1, REPLACE = 2;
 const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
-  header: null, layout: null, stores: [], curves: null, line: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false,
+  header: null, layout: null, stores: [], curves: null, line: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false, lineSeen: false,
   learning: [], socket: null, pending: false,
 };
 
@@ -95,6 +95,7 @@ function begin(header) {
   page.told = toldNotes();
   showLearning(header.learning ?? []);
   arrange();
+  showLater();
   if (header.kind === "recorded") {
     const facts = header.runs.map((run) => run.facts.verdict).filter(Boolean);
     byId("phase").textContent = facts.join(" · ");
@@ -159,7 +160,7 @@ function show() {
   const instant = page.picked ?? end;
   const rows = page.stores.map((store) => store.rowAt(instant + 1e-6));
   page.gauges.show(page.stores, rows);
-  page.line.show(rows);
+  page.line.show(rows, page.lineSeen);
   const { lamps } = page.layout, states = page.stores.map((store, run) => lamps.map((lamp) => (rows[run] < 0 ? NaN : store.values[lamp.column][rows[run]])));
   showLamps(byId("lamps"), lamps, states, page.header.runs.map((run) => run.name));
   const slider = byId("instant");
@@ -227,7 +228,7 @@ const branches = new BranchForm(byId("branch"), (asked) => orders.order(asked, "
 
 byId("instant").addEventListener("input", () => pick(Number(byId("instant").value)));
 byId("live").addEventListener("click", () => pick(null));
-byId("whole").addEventListener("click", () => { page.curves.whole(); page.line.whole(); page.curves.touch(); page.line.touch(); });
+byId("whole").addEventListener("click", () => { page.curves.whole(); page.line.whole(); page.curves.touch(); page.line.touch(); show(); });
 byId("axis").addEventListener("click", () => {
   page.curves.overDistance = !page.curves.overDistance;
   byId("axis").textContent = page.curves.overDistance ? "over time" : "over distance";
@@ -278,6 +279,7 @@ page.picked = readHash();
 addEventListener("hashchange", () => { const instant = readHash(); if (instant !== null) pick(instant); });
 new IntersectionObserver((entries) => { page.listSeen = entries.at(-1).isIntersecting; tellShown(); })
   .observe(byId("frames-of"));
+new IntersectionObserver((entries) => { page.lineSeen = entries.at(-1).isIntersecting; showLater(); }).observe(byId("line"));
 document.addEventListener("visibilitychange", tellShown);
 countFrame();
 connect();
