@@ -11,11 +11,13 @@ import pytest
 
 from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.panel_page import WAIT_MS, said, started
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
+from railhil.record.documents import read_certificate
 from railhil.record.framelog import read_log
 from railhil.record.trace import trace_of
 from railhil.run.local import LocalRun, local_plan
@@ -61,6 +63,7 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
     with started(folder / "output.txt", *words) as (process, address):
         page, other = chromium.new_page(), chromium.new_page()
         for one in (page, other):
+            one.set_default_timeout(WAIT_MS)
             one.on("request", lambda request: seen["requests"].append(request.url))
             one.on("pageerror", lambda error: seen["errors"].append(str(error)))
         page.goto(address)
@@ -72,11 +75,13 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
             page.click("#add")
             seen[text] = said(page, "#answer", ".")
         # The other page has no token.
-        other.wait_for_selector("#start:enabled", timeout=WAIT_MS)
-        other.click("#start")
-        said(other, "#answer", "wrong token")
+        seen["watching"] = said(other, "#answer", "watches"), other.locator("#orders button:enabled").count()
+        seen["pace"] = page.input_value("#pace")
+        page.select_option("#pace", "2")
+        said(page, "#answer", "✓ pace")
         page.click("#start")
-        page.wait_for_selector("#pace:enabled", timeout=WAIT_MS)
+        page.wait_for_selector("#stop:enabled", timeout=WAIT_MS)
+        assert page.input_value("#pace") == "2"
         page.select_option("#pace", "1")
         for selector in ("[data-do=inject]", "[data-do=clear]", "#pause", "#start"):
             press(page, selector)
@@ -91,11 +96,13 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         page.select_option("#own select", label="brake weak")
         for share in ("130", "62.5"):
             page.fill("#own input[data-name=share]", share)
-            page.fill("#lasts", "2")
+            page.fill("#lasts", "90")
             page.click("#add:enabled")
             seen[share] = said(page, "#answer", f"brake weak {share}%")
         # Seven SUP_CMD later it acts.
-        said(page, "#faults", r"clear brake weak 62\.5%(?! \(being sent)")
+        said(page, "#faults", r"clear brake weak 62\.5% \(\d\d\.\d s left")
+        page.wait_for_selector("[data-do=inject]:disabled", timeout=WAIT_MS)
+        seen["used"] = page.inner_text("[data-do=inject]")
         page.click("#frames tr[data-id='280']")
         page.wait_for_selector("#raw:visible", timeout=WAIT_MS)
         # The last before Stop: a train that stands after its emergency brake ends the run.
@@ -105,8 +112,15 @@ def run(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, An
         seen["speed"] = [one.inner_text("[data-column=true_speed_mps] b") for one in (page, other)]
         seen["stats"] = page.evaluate("window.stats()")
         page.click("#stop")
+        seen["end"] = said(page, "#end", "Next run")
+        seen["events"] = page.inner_text("#events")
+        seen["report"] = page.locator("#end a").count()
+        # The page without the token is told the end, too, and has no orders.
+        seen["watched end"] = said(other, "#end", "ended_by_supervisor"), other.locator("#end [data-end]").count()
+        page.click("[data-end=leave]")
         process.wait(60)
-        said(page, "#connection", "lost")
+        for one in (page, other):
+            assert said(one, "#connection", "has ended") == "■ the run has ended"
         page.close()
         other.close()
     return seen
@@ -128,7 +142,7 @@ def test_every_button_is_a_telegram(run):
     assert [number for number, order in sent if order == FaultOrder.VALUE][-len(own) :] == [*own]
     assert (weak, FaultOrder.INJECT) in sent
     assert "found '130%', allowed share of the force that is left: 0% to 100%" in run["130"]
-    assert run["62.5"] == "✓ brake weak 62.5% for 2s"
+    assert run["62.5"] == "✓ brake weak 62.5% for 90s"
     sent = [one for one in sent if one[1] != FaultOrder.VALUE and one[0] != weak]
     assert [(number, order) for number, order in sent if number != prepared] == [
         (typed, FaultOrder.INJECT), (typed, FaultOrder.CLEAR), (1, FaultOrder.INJECT), (1, FaultOrder.CLEAR)
@@ -147,6 +161,66 @@ def test_the_certificate_makes_the_same_run_again(run, tmp_path):
     again = LocalRun(local_plan(spec.load(), spec, tmp_path))
     again.execute()
     assert again.log.path.read_bytes() == (run["folder"] / "frames.log").read_bytes()
+
+
+def test_a_run_that_waited_begins_at_the_pace_of_the_train(run):
+    assert run["pace"] == "1"
+
+
+def test_who_has_no_token_is_told_so_and_has_no_orders(run):
+    assert run["watching"] == ("○ this page watches: orders need the address that the command has printed", 0)
+    assert run["watched end"][1] == 0
+
+
+def test_a_fault_that_was_injected_cannot_be_pressed_again(run):
+    assert run["used"] == "⚡ NOTCH_CMD loss 5% (used)"
+
+
+def test_the_end_says_verdict_reason_folder_and_command(run):
+    assert run["end"].startswith("! INVALID\n")
+    assert "run ended_by_supervisor" in run["end"]
+    assert str(run["folder"]) in run["end"]
+    assert "railhil run lvshun_tieshan" in run["end"]
+    assert "--order" in run["end"]
+    # The run had --no-report.
+    assert run["report"] == 0
+
+
+def test_the_events_name_what_was_ordered_and_what_it_did(run):
+    faults = {one["number"]: one for one in read_certificate(run["folder"])["injected"] if one["begun_s"] is not None}
+    assert len(faults) >= 4
+    for number, one in faults.items():
+        assert f"{one['begun_s']:.2f}\t" in run["events"]
+        assert f"fault {number}: {one['fault']}: " in run["events"]
+    for words in ("pause", "start again", "cleared fault 1: safety_loop off", "stop"):
+        assert f"operator\t{words}" in run["events"]
+
+
+@pytest.mark.long
+def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp_path):
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
+    words = ["run", tmp_path / "short.toml", "--panel", "0", "--wait", "--out", tmp_path / "run"]
+    page = chromium.new_page()
+    with started(tmp_path / "output.txt", *words) as (process, address):
+        page.goto(address)
+        for _ in range(2):
+            page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
+            page.click("#start")
+            said(page, "#end", "Next run")
+            with page.context.expect_page() as opened:
+                page.click("#end a")
+            opened.value.wait_for_selector("h1", timeout=WAIT_MS)
+            opened.value.close()
+            page.click("[data-end=stay]")
+            page.wait_for_selector("#end .next span:empty", state="attached", timeout=WAIT_MS)
+            page.click("[data-end=next]")
+        page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
+        assert not page.is_visible("#end")
+        process.terminate()
+        process.wait(60)
+    page.close()
+    hashes = {read_certificate(tmp_path / name)["frames_sha256"] for name in ("run", "run-2")}
+    assert len(hashes) == 1
 
 
 @pytest.mark.long

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,12 +12,14 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
-from railhil.judge.events.event import LEVEL
+from railhil.judge.events.event import LEVEL, RecordedEvent
+from railhil.judge.events.summary import fault_events
 from railhil.judge.events.telegrams import events_of
-from railhil.judge.fault_report import fault_outcomes
+from railhil.judge.fault_report import fault_outcomes, missed_faults
 from railhil.judge.reactions.catalogue import faults_by_hand
+from railhil.panel.live_orders import LiveOrders
 from railhil.record.framelog import read_log
-from railhil.record.trace import trace_of
+from railhil.record.trace import Trace, trace_of
 from railhil.run.local import LocalRun, local_plan
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -81,6 +84,63 @@ def test_what_was_ordered_by_hand_makes_the_same_run_again(spec, tmp_path):
     paused = commands.index(SupCommand.NONE)
     times_ns = trace.times_ns(SupCmd.PORT)
     assert times_ns[paused + 1] == times_ns[paused]
+
+
+@pytest.mark.faults
+def test_an_order_without_effect_warns_and_a_test_without_effect_proves_nothing(spec, tmp_path):
+    presses = {3: [{"do": "inject", "fault": 1}], 8: [{"do": "stop"}]}
+    for name, end, missed in (("warns", "", ""), ("test", " expect HOLD", "fault 1 changed nothing: ")):
+        run = made(replace(spec, faults=(f"TRN_SPEED loss 0% @manual{end}",)), tmp_path / name, Hands(presses))
+        (found,) = fault_outcomes(tmp_path / name, run.scenario, spec.seed)
+        assert (found.begun_s is not None, found.hits) == (True, 0)
+        assert missed_faults([found]).startswith(missed)
+        assert bool(missed_faults([found])) is bool(missed)
+        assert ("warning" in found.line) is not bool(missed)
+
+
+@pytest.mark.faults
+def test_the_bands_of_a_live_page_are_those_of_the_record(spec, tmp_path):
+    faults = (
+        "TRN_SPEED loss 30% @manual combine", "TRN_POS loss 30% @manual for 200ms", "NOTCH_CMD loss @500ms for 300ms",
+        "BALISE corrupt @v>100km/h", "TRN_SPEED stuck @manual combine",
+    )  # fmt: skip
+    presses = {
+        3: [{"do": "inject", "fault": 1}, {"do": "inject", "fault": 2}],
+        6: [{"do": "pause"}],
+        8: [{"do": "start"}],
+        12: [{"do": "clear", "fault": 1}],
+        14: [{"do": "inject", "fault": 5}],
+        18: [{"do": "stop"}],
+    }
+    run = made(replace(spec, faults=faults), tmp_path / "run", Hands(presses))
+    seen: list[dict[str, Any]] = []
+
+    def add(time_s: float, kind: str, source: str, text: str) -> dict[str, Any]:
+        seen.append({"time_s": time_s, "kind": kind, "source": source, "text": text, "until_s": None})
+        return seen[-1]
+
+    tick_s = run.scenario.timing.base_tick_ns / 1e9
+    live = LiveOrders(lambda: faults, add, tick_s)
+    end_s = run.trace.end_s
+    live.find(run.trace, end_s)
+    assert live.find(Trace(run.trace.contract), end_s) == []
+    recorded = {event.detail.split(":")[0]: event for event in run_events(run, tmp_path / "run", spec)}
+    bands = {event["text"].split(":")[0]: event for event in seen if event["kind"] == "fault"}
+    assert set(bands) == set(recorded) == {"fault 1", "fault 2", "fault 3", "fault 5"}
+    for name, band in bands.items():
+        assert band["time_s"] == pytest.approx(recorded[name].time_s, abs=1.5 * tick_s)
+        if name == "fault 5":
+            assert band["is_open"]
+        else:
+            assert band["until_s"] == pytest.approx(recorded[name].until_s, abs=2.5 * tick_s)
+    orders = [event["text"] for event in seen if event["kind"] == "order"]
+    assert orders == ["pause", "start again", "cleared fault 1: TRN_SPEED loss 30%", "stop"]
+
+
+def run_events(run: LocalRun, folder: Path, spec: RunSpec) -> list[RecordedEvent]:
+    """The faults of a run as its record has them."""
+    outcomes = fault_outcomes(folder, run.scenario, spec.seed)
+    return list(fault_events([one.as_json() for one in outcomes], run.trace.end_s))
 
 
 @pytest.mark.faults

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import os
+import secrets
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
 
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError, Sentence, Words
@@ -19,19 +22,27 @@ from railhil.common.extras import need
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
 from railhil.live.processes import nodes_processor
-from railhil.live.sockets import PanelSocket, make_private_socket
+from railhil.live.sockets import PANEL_TOKEN, PanelSocket, make_private_socket
+from railhil.record.operator_commands import REALTIME_PACE, check_pace
 from railhil.run.run import Observer, Plan
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER
-from railhil.scenarios.options import PORT_MAX, add_option, add_options
+from railhil.scenarios.options import PANEL_PORT, PORT_MAX, add_option, add_options
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import normalise_fault
+
+if TYPE_CHECKING:
+    from railhil.judge.record import Record
 
 #: A run does not wait longer for its panel; on a busy machine it takes 2 s.
 _READY_S = 5.0
 _END_S = 2.0
 _LOOK_S = 0.1
 _SHOWN_S = 0.2
+#: So long the end of a run stays on an open page that may give orders, unless the operator keeps it.
+STAY_S = 45.0
+#: Pace with which a run begins that has waited for its operator.
+_WAITED_PACE = 1.0
 #: Nice value of the panel, compared with the run.
 _NICE = 10
 _PANEL_ONLY = Sentence("used only with --panel or --operator")
@@ -44,10 +55,11 @@ def add_page_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--panel",
         nargs="?",
-        const=8765,
+        const=PANEL_PORT,
         type=whole_number(0, PORT_MAX),
         metavar="PORT",
-        help="TCP port of 127.0.0.1 for a page of the run, see railhil panel (default: 8765; 0: any)",
+        help=f"TCP port of 127.0.0.1 for a page of the run, see railhil panel (default: {PANEL_PORT}, or a free one if "
+        "that is taken; 0: any)",
     )
 
 
@@ -60,7 +72,9 @@ def add_panel_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="with --panel or --operator: prepare the system's fault catalogue, to be injected during the run",
     )
-    parser.add_argument("--wait", action="store_true", help="begin when Start is pressed on the panel")
+    parser.add_argument(
+        "--wait", action="store_true", help="begin when Start is pressed on the panel, in lockstep at 1x with a page"
+    )
     add_options(parser, "--operator", ORDER)
 
 
@@ -131,7 +145,7 @@ def with_catalogue(spec: RunSpec) -> RunSpec:
 
 
 class PanelBeside(Observer):
-    """The panel's process while a run is made, and the socket of its orders.
+    """The panel's process while a run is made and until its end was seen, and the socket of its orders; a context.
 
     :param port: of the page; None: there is none.
     :param foxglove: port for other viewers; None: there is none.
@@ -140,22 +154,35 @@ class PanelBeside(Observer):
 
     def __init__(self, port: int | None, foxglove: int | None, operator: Path | None) -> None:
         self._port, self._foxglove, self._operator = port, foxglove, operator
+        self._held = ExitStack()
         self._socket: PanelSocket | None = None
+        #: A page that is open stays the desk of the next run.
+        self._token = secrets.token_urlsafe(16)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._held.close()
 
     @contextmanager
     def beside(self, plan: Plan) -> Iterator[Plan]:
-        with ExitStack() as held:
-            path = self._operator or held.enter_context(make_private_socket())
-            socket = self._socket = held.enter_context(PanelSocket(path))
-            if self._port is not None:
-                apart = set() if plan.spec.is_realtime else nodes_processor()[1]
-                process = held.enter_context(panel_process(self._words(plan, path), apart))
-                _wait_until_shown(process, socket)
-            plan = replace(plan, panel=socket)
-            yield _wait_for_start(socket, plan) if plan.spec.start_up.waits else plan
-            if self._port is not None:
-                # Time to show the end.
-                time.sleep(_SHOWN_S)
+        if self._socket is not None:
+            self._port = self._socket.port or self._port
+        # The page of the run before.
+        self._held.close()
+        path = self._operator or self._held.enter_context(make_private_socket())
+        socket = self._socket = self._held.enter_context(PanelSocket(path))
+        if self._port is not None:
+            apart = set() if plan.spec.is_realtime else nodes_processor()[1]
+            words = self._words(plan, path)
+            process = self._held.enter_context(panel_process(words, apart, {PANEL_TOKEN: self._token}))
+            _wait_until_shown(process, socket)
+        plan = replace(plan, panel=socket)
+        if plan.spec.start_up.waits:
+            paced = self._port is not None and not plan.spec.is_realtime
+            plan = _wait_for_start(socket, replace(plan, pace=_WAITED_PACE if paced else 0.0))
+        yield plan
 
     def _words(self, plan: Plan, path: Path) -> list[str]:
         spec = plan.spec
@@ -169,7 +196,57 @@ class PanelBeside(Observer):
 
     def on_result(self, result: Result) -> None:
         assert self._socket is not None
-        self._socket.tell({"phase": "ended", "exit_code": result.exit_code, "line": result.line})
+        self._socket.tell(
+            {"phase": "ended", "verdict": result.verdict, "line": result.line, "faults": list(result.scenario.faults)}
+        )
+
+    def show_end(self, run: Record) -> bool:
+        """Show the end of a run as long as a page is open that may give orders, for :data:`STAY_S` unless the operator
+        keeps it; returns whether the next run is to be made.
+        """
+        if self._socket is None or self._port is None:
+            return False
+        ended, until_s, is_kept = _describe_end(run), time.monotonic() + STAY_S, False
+        self._socket.tell(ended)
+        # Time to show it to pages that give no orders, too.
+        time.sleep(_SHOWN_S)
+        with suppress(KeyboardInterrupt):
+            # A busy machine may have kept the panel waiting.
+            self._socket.has_desk(time.monotonic())
+            while self._socket.has_desk() and (is_kept or time.monotonic() < until_s):
+                left_s = None if is_kept else until_s - time.monotonic()
+                self._socket.tell({**ended, "left_s": left_s})
+                for command in self._socket.take(_LOOK_S):
+                    what = command.get("do")
+                    refused = "" if what in ("next", "leave", "stay") else "the run has ended"
+                    self._socket.tell({"answer": command.get("id"), "refused": refused})
+                    is_kept = is_kept or what == "stay"
+                    if what in ("next", "leave"):
+                        return bool(what == "next")
+        return False
+
+
+def _describe_end(run: Record) -> dict[str, Any]:
+    """The last report of a run to its pages."""
+    # Loaded at the end of a run only.
+    from railhil.record.hash_list import REPORT
+
+    report = run.folder.resolve() / REPORT
+    values = [(one, value) for one in run.judging.criteria if (value := run.score.with_sign(one)) is not None]
+    return {
+        "phase": "ended",
+        "verdict": run.verdict,
+        "line": run.line,
+        # The panel knows the run by them.
+        "faults": list(run.scenario.faults),
+        "scores": [
+            [one.title, f"{one.shown(value)} {one.unit_typeset}".strip(), one.missed(run.scenario, value)]
+            for one, value in values
+        ],
+        "folder": str(run.folder.resolve()),
+        "report": str(report) if report.is_file() else "",
+        "rerun": run.certificate.get("command", ""),
+    }
 
 
 def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> None:
@@ -181,12 +258,15 @@ def _wait_until_shown(process: subprocess.Popen[bytes], socket: PanelSocket) -> 
 
 
 @contextmanager
-def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator[subprocess.Popen[bytes]]:
+def panel_process(
+    words: Sequence[str], apart: Collection[int] = (), named: Mapping[str, str] | None = None
+) -> Iterator[subprocess.Popen[bytes]]:
     """``railhil panel`` with these words, as long as this context.
 
-    :param apart: the only processors that it may use; empty: any.
+    :param apart: the only processors that it may use; empty: any. :param named: further environment variables.
     """
-    process = subprocess.Popen([sys.executable, "-P", "-m", "railhil.panel", *words], stdin=subprocess.DEVNULL)
+    command = [sys.executable, "-P", "-m", "railhil.panel", *words]
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env={**os.environ, **(named or {})})
     with suppress(OSError):
         # The run has precedence if both want a processor. The panel may have ended already.
         os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
@@ -206,19 +286,24 @@ def panel_process(words: Sequence[str], apart: Collection[int] = ()) -> Iterator
 
 
 def _wait_for_start(panel: PanelSocket, plan: Plan) -> Plan:
-    """Wait until Start is pressed; returns the run with the faults that were typed meanwhile."""
+    """Wait until Start is pressed; returns the run with the faults and the pace that were chosen meanwhile."""
     lockstep = not plan.spec.is_realtime
     while True:
-        panel.tell({"phase": "waiting", "faults": list(plan.scenario.faults), "lockstep": lockstep})
+        state = {"faults": list(plan.scenario.faults), "lockstep": lockstep, "pace": plan.pace}
+        panel.tell({"phase": "waiting", **state})
         for command in panel.take(_LOOK_S):
-            if command.get("do") == "start":
+            what, pace = command.get("do"), command.get("pace")
+            if what == "start":
                 panel.tell({"answer": command.get("id"), "refused": ""})
-                panel.tell({"phase": "starting", "faults": list(plan.scenario.faults), "lockstep": lockstep})
+                panel.tell({"phase": "starting", **state, "pace": plan.pace})
                 return plan
             why = "press Start first"
-            if command.get("do") == "fault" and plan.spec.start_up.attach:
-                why = "the nodes are running already: give them and railhil run --fault"
-            elif command.get("do") == "fault":
+            if what == "pace":
+                why = check_pace(pace) if lockstep else REALTIME_PACE
+                plan = plan if why else replace(plan, pace=float(pace or 0.0))
+            elif what == "fault" and plan.spec.start_up.attach:
+                why = "the nodes are running already: they have the faults with which they were started"
+            elif what == "fault":
                 try:
                     plan = _with_fault(plan, str(command.get("text", "")))
                     why = ""

@@ -6,10 +6,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,7 @@ from railhil.scenarios.system import DEFAULT, System, system_named, told_systems
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
+    from railhil.judge.record import Record
     from railhil.judge.result import Result
 
 
@@ -263,7 +265,7 @@ class _Command(Observer):
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Run, write the run folder, print; the exit code is the verdict."""
+    """Run, write the run folder, print; the exit code is the verdict, of the last run if the page asked for others."""
     spec = _read_spec(namespace)
     check_key(namespace.sign)
     check_panel(namespace, spec)
@@ -286,9 +288,30 @@ def work(namespace: argparse.Namespace) -> int:
         return Output(stderr=namespace.json)
 
     observers: list[Observer] = [_Command(namespace.json)]
-    observers += [PanelBeside(namespace.panel, namespace.foxglove, namespace.operator)] if is_watched else []
     observers += [] if namespace.quiet or namespace.json else [Progress(console)]
-    result = record_run(spec, *observers, scenario=scenario)
+    if not is_watched:
+        return _conclude(namespace, record_run(spec, *observers, scenario=scenario), spec, console)[0]
+    with PanelBeside(namespace.panel, namespace.foxglove, namespace.operator) as page:
+        observers.insert(1, page)
+        while True:
+            result = record_run(spec, *observers, scenario=scenario)
+            exit_code, found = _conclude(namespace, result, spec, console)
+            if result.stopped_exit_code or not page.show_end(found):
+                return exit_code
+            # The next run, in a folder of its own.
+            spec = replace(spec, out=_next_folder(namespace.out))
+
+
+def _next_folder(out: str | None) -> Path | None:
+    """The named folder with the first number that is free; None: no folder is named."""
+    names = () if out is None else (Path(f"{Path(out)}-{number}") for number in count(2))
+    return next((name for name in names if not name.exists()), None)
+
+
+def _conclude(
+    namespace: argparse.Namespace, result: Result, spec: RunSpec, console: Callable[[], Output]
+) -> tuple[int, Record]:
+    """Write the report of a run that has been recorded, and print its result; returns the exit code and the record."""
     # The modules were loaded while the nodes ended.
     from railhil.cli.result_printer import print_result
     from railhil.judge.folder import score_json
@@ -316,4 +339,4 @@ def work(namespace: argparse.Namespace) -> int:
         print_json(score_json(result) | ({"no_return": lost} if namespace.no_return else {}))
     else:
         print_result(console(), found, result, notes, report, namespace.verbose, lost)
-    return result.stopped_exit_code or result.exit_code
+    return result.stopped_exit_code or result.exit_code, found

@@ -42,17 +42,20 @@ class FaultOutcome:
     hits: int
     #: Nodes that inject it and have left no log.
     unlogged: tuple[str, ...] = ()
+    #: It states what it expects, so that a run of it is a test also if it is injected by hand.
+    is_test: bool = True
 
     @property
     def missed(self) -> str:
-        """Reason for which the run proves nothing about the controller; empty if the fault acted, or was left to the
-        operator and never ordered."""
+        """Reason for which the run proves nothing about the controller; empty if the fault acted, and for a fault that
+        is left to the operator and is no test."""
         if self.unlogged and not self.hits:
             options = " and ".join(f"railhil node {node} --fault-logs DIR" for node in self.unlogged)
             return f"fault {self.number}: nothing is known of it without {options}: {self.text}"
         if self.begun_s is None:
             return "" if self.by_hand else f"fault {self.number} never began: {self.text}"
-        return "" if self.hits else f"fault {self.number} changed nothing: {self.text}"
+        is_judged = self.hits or (self.by_hand and not self.is_test)
+        return "" if is_judged else f"fault {self.number} changed nothing: {self.text}"
 
     @property
     def line(self) -> str:
@@ -60,7 +63,8 @@ class FaultOutcome:
         if self.begun_s is None:
             return f"fault {self.number}: {self.text}: not injected"
         found = "changed nothing" if self.effect_s is None else f"{self.hits} hits, first at {self.effect_s:.2f} s"
-        return f"fault {self.number}: {self.text}: begun at {self.begun_s:.2f} s, {found}"
+        warns = "" if self.hits or self.missed else " (warning: the run is judged as if it had not been injected)"
+        return f"fault {self.number}: {self.text}: begun at {self.begun_s:.2f} s, {found}{warns}"
 
     def as_json(self) -> dict[str, Any]:
         """All fields."""
@@ -236,4 +240,5 @@ def _outcome(number: int, fault: Fault, rows: Sequence[_Row]) -> FaultOutcome:
         min(hits) / 1e9 if hits else None,
         max(ended) / 1e9 if ended else None,
         len(hits),
+        is_test=fault.expect is not None,
     )

@@ -15,6 +15,7 @@ import select
 import socket
 import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -79,6 +80,10 @@ def _remove_unless_held(folder: Path) -> None:
 _DATAGRAM_MAX = 16384
 #: Panels that are told.
 _PANELS_MAX = 16
+#: Environment variable with the token of a panel beside a run.
+PANEL_TOKEN = "RAILHIL_PANEL_TOKEN"
+#: A panel says hello twice a second, on a busy machine later.
+_DESK_S = 5.0
 
 
 class PanelSocket:
@@ -94,6 +99,10 @@ class PanelSocket:
         self._last: dict[str, Any] = {}
         # Commands that came before the first :meth:`take`.
         self._early: list[dict[str, Any]] = []
+        #: Port of the page, as the panel says; 0: not known.
+        self.port = 0
+        #: Number of open pages that may give orders, when the panel last said hello.
+        self._desks, self._hello_s = 0, 0.0
         before = os.umask(0o177)
         try:
             with contextlib.suppress(FileNotFoundError):
@@ -111,6 +120,15 @@ class PanelSocket:
         """Whether a panel has said hello until now, or says it within this time; commands are kept for :meth:`take`."""
         self._early += self._read(0.0 if self._panels else timeout_s)
         return bool(self._panels)
+
+    def has_desk(self, since_s: float = 0.0) -> bool:
+        """Whether a page is open that may give orders.
+
+        :param since_s: wait for a panel that had one to say so after this instant of the monotonic clock.
+        """
+        while self._desks and self._hello_s < since_s and time.monotonic() < since_s + _DESK_S:
+            self._early += self._read(since_s + _DESK_S - time.monotonic())
+        return self._desks > 0 and time.monotonic() - self._hello_s < _DESK_S
 
     def take(self, timeout_s: float) -> list[dict[str, Any]]:
         """Commands that have arrived, after at most this time."""
@@ -135,8 +153,16 @@ class PanelSocket:
                 command = json.loads(data)
                 if isinstance(command, dict) and command.get("do") != "hello":
                     found.append(command)
-                elif sender and self._last:
+                    continue
+                self._greet(command if isinstance(command, dict) else {})
+                if sender and self._last:
                     self._send(sender, self._last)
+
+    def _greet(self, hello: dict[str, Any]) -> None:
+        port, desks = hello.get("port"), hello.get("desks")
+        self.port = port if isinstance(port, int) else self.port
+        if isinstance(desks, int):
+            self._desks, self._hello_s = desks, time.monotonic()
 
     def tell(self, report: dict[str, Any]) -> None:
         """Send a report to every panel that has said hello."""

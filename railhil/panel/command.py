@@ -6,10 +6,8 @@ import argparse
 
 from railhil.bus.can_settings import add_bus_arguments
 from railhil.common.command_line import OneLineParser, whole_number
-from railhil.scenarios.options import PORT_MAX, add_option, add_options
+from railhil.scenarios.options import PANEL_PORT, PORT_MAX, add_option, add_options
 
-#: Port of the page unless one is given.
-PORT = 8765
 _EXIT_CODES = """\
 exit codes:
   0    the page was served until the end of what it shows
@@ -41,9 +39,9 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--port",
         type=whole_number(0, PORT_MAX),
-        default=PORT,
+        default=PANEL_PORT,
         metavar="N",
-        help=f"TCP port of the page (default: {PORT}; 0: any)",
+        help=f"TCP port of the page (default: {PANEL_PORT}, or a free one if that is taken; 0: any)",
     )
     add_option(parser, "--foxglove")
     add_option(parser, "--controller", ", whose notes are then named", usual="")

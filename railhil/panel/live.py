@@ -1,5 +1,4 @@
-"""A run while it is made, as messages for the pages: its rows, and its events (milestones, levels of the watches,
-interlocks)."""
+"""A run while it is made, as messages for the pages: its rows, its events, the state of bus and operator."""
 
 from __future__ import annotations
 
@@ -7,22 +6,23 @@ import json
 import os
 import time
 from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import RunEvent
 from railhil.cli.run_identity import RunIdentity
 from railhil.dbc import house_contract
-from railhil.judge.judging import judging_of
 from railhil.live.bus_follower import Listener
 from railhil.panel.bus_statistics import WATCHED_FRAMES, BusStatistics, FrameList
+from railhil.panel.events import NO_EVENTS, LiveEvents
 from railhil.panel.layout import NO_LAYOUT, History, Layout, Rows, make_layout
 from railhil.panel.operator import Operator, list_fault_kinds
 from railhil.panel.receiver import Receiver
 from railhil.panel.wire import APPEND, REPLACE, encode_batch
+from railhil.record.documents import read_certificate
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing
 from railhil.scenarios.system import System, UnknownScenario
@@ -30,87 +30,6 @@ from railhil.scenarios.system import System, UnknownScenario
 if TYPE_CHECKING:
     from railhil.panel.branches import Branches
     from railhil.panel.requirements import LiveRequirements
-
-#: Messages kept for pages that connect later.
-EVENTS_MAX = 1000
-
-
-class LiveEvents:
-    """Events of one run after the other. One event is a dict: ``time_s``, ``kind``, ``source``, ``text``, ``rank``."""
-
-    def __init__(self, scenario: AnyScenario, system: System, layout: Layout) -> None:
-        self._scenario = scenario
-        self._judging = judging_of(scenario)
-        self._own = {number: name for name, number in system.events.items()}
-        self._lamps = layout.lamps
-        self.all: list[dict[str, Any]] = []
-        self.restart()
-
-    def restart(self) -> None:
-        """Another run begins."""
-        self.all = []
-        self._number = 0
-        self._levels: dict[str, tuple[int, int]] = {}
-        self._states: dict[tuple[str, str], int] = {}
-
-    def add(self, time_s: float, kind: str, source: str, text: str, rank: int = 0) -> dict[str, Any]:
-        """Take an event from elsewhere."""
-        event = {"time_s": time_s, "kind": kind, "source": source, "text": text, "rank": rank}
-        self.all.append(event)
-        del self.all[:-EVENTS_MAX]
-        return event
-
-    def find(self, trace: Trace) -> list[dict[str, Any]]:
-        """Events in the telegrams of a trace that begins with the newest ones of the trace before."""
-        found = [*self._find_milestones(trace), *self._find_levels(trace), *self._find_interlocks(trace)]
-        return sorted(found, key=lambda event: float(event["time_s"]))
-
-    def _find_milestones(self, trace: Trace) -> list[dict[str, Any]]:
-        found = []
-        numbers = trace.raw(RunEvent.PORT, "EventNumber").tolist()
-        codes = trace.raw(RunEvent.PORT, "RunEvent").tolist()
-        times_s = trace.values(RunEvent.PORT, "EventTime").tolist()
-        for number, code, time_s in zip(numbers, codes, times_s, strict=True):
-            if number > self._number:
-                self._number = number
-                known = Event(code).name.lower() if code in Event._value2member_map_ else self._own.get(code, str(code))
-                found.append(self.add(time_s, "milestone", "plant", known.replace("_", " ")))
-        return found
-
-    def _find_levels(self, trace: Trace) -> list[dict[str, Any]]:
-        found = []
-        for watch in self._judging.watches:
-            if not trace.has(watch.port, watch.level):
-                continue
-            levels = trace.raw(watch.port, watch.level).tolist()
-            has_cause = trace.has(watch.port, watch.cause)
-            causes = trace.raw(watch.port, watch.cause).tolist() if has_cause else [0] * len(levels)
-            for time_s, level, cause in zip(trace.times_s(watch.port).tolist(), levels, causes, strict=True):
-                if self._levels.get(watch.name, (watch.ladder[0], 0)) == (level, cause):
-                    continue
-                self._levels[watch.name] = (level, cause)
-                word = trace.word(watch.port, watch.level, level)
-                why = trace.word(watch.port, watch.cause, cause) if has_cause else ""
-                text = word.replace("_", " ")
-                is_reaction = level in watch.ladder and not watch.is_normal(level) and why not in watch.start
-                rank = watch.ladder.index(level) if is_reaction else 0
-                if rank and why:
-                    text += f": {watch.said(self._scenario, word, why)}"
-                found.append(self.add(time_s, "level", watch.name, text, rank))
-        return found
-
-    def _find_interlocks(self, trace: Trace) -> list[dict[str, Any]]:
-        found = []
-        for lamp in self._lamps:
-            times_s = trace.times_s(lamp.port).tolist()
-            for time_s, raw in zip(times_s, trace.raw(lamp.port, lamp.signal).tolist(), strict=True):
-                if self._states.get((lamp.port, lamp.signal), lamp.normal) != raw:
-                    self._states[lamp.port, lamp.signal] = raw
-                    word = trace.word(lamp.port, lamp.signal, raw)
-                    text = f"{lamp.label}: {'as usual again' if raw == lamp.normal else word}"
-                    found.append(self.add(time_s, "interlock", lamp.port, text))
-        return found
-
 
 #: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
 #: look.
@@ -146,6 +65,8 @@ class LiveRun:
         #: Name of this process's runs, for viewers that must tell them apart.
         self.session = f"{os.getpid()}-{time.time_ns()}"
         self._state_s = self._list_s = self._frames_s = 0.0
+        #: Folder of the run whose record was taken.
+        self._ended = ""
         self._show()
 
     def _show(self) -> None:
@@ -157,7 +78,7 @@ class LiveRun:
         unknown = UnknownScenario("", "", Timing(base_tick_ns=contract.base_tick_ns))
         self.layout: Layout = NO_LAYOUT if scenario is None else make_layout(scenario, contract, notes)
         self._rows = None if scenario is None else Rows(scenario, self.layout, notes)
-        self._events = None if scenario is None or system is None else LiveEvents(scenario, system, self.layout)
+        self._events = None if scenario is None or system is None else self._make_events(scenario, system)
         self.heard = BusStatistics(contract)
         self.listener = Listener(scenario or unknown, contract, self.heard)
         self._list = FrameList(contract)
@@ -188,7 +109,7 @@ class LiveRun:
     def read_past(self) -> list[str | bytes]:
         """All data so far, for a page that has just connected."""
         messages: list[str | bytes] = [encode_batch(REPLACE, 0, self._history.rows)]
-        messages.append(json.dumps({"events": [] if self._events is None else self._events.all, "replace": True}))
+        messages.append(json.dumps(NO_EVENTS) if self._events is None else self._events.describe())
         messages += [json.dumps(self._make_state()), json.dumps(self._make_frame_list())]
         messages += [] if self._requirements is None else [self._requirements.describe()]
         return messages + ([] if self.branches is None else [self.branches.describe()])
@@ -212,6 +133,7 @@ class LiveRun:
         messages += [] if self.branches is None else self.branches.look()
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
+            messages += self._take_end(self._operator)
         now_s = time.monotonic()
         if now_s - self._state_s >= STATE_S:
             self._state_s = now_s
@@ -239,8 +161,31 @@ class LiveRun:
 
     def list_kinds(self) -> list[dict[str, Any]]:
         """Kinds of faults that take values during the run."""
-        report = {} if self._operator is None else self._operator.report
-        return list_fault_kinds(report.get("faults", ()))
+        return list_fault_kinds([] if self._operator is None else self._list_faults())
+
+    def _make_events(self, scenario: AnyScenario, system: System) -> LiveEvents:
+        return LiveEvents(scenario, system, self.layout, self._list_faults)
+
+    def _list_faults(self) -> Sequence[str]:
+        """The faults of the run, with the values that an operator has given."""
+        own = () if self._scenario is None else self._scenario.faults
+        return own if self._operator is None else list(self._operator.report.get("faults", own))
+
+    def _take_end(self, operator: Operator) -> list[str | bytes]:
+        """At the end of the run: its events as its record has them."""
+        folder = operator.report.get("folder")
+        certificate = read_certificate(Path(folder)) if folder and folder != self._ended else None
+        if certificate is None or self._events is None:
+            return []
+        self._ended = str(folder)
+        self._events.take_record(certificate.get("injected") or (), max(self._last_s, 0.0))
+        return [self._events.describe()]
+
+    @property
+    def report(self) -> Path | None:
+        """The report of the run that has ended; None: there is none."""
+        found = "" if self._operator is None else self._operator.report.get("report")
+        return Path(found) if found else None
 
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
@@ -254,13 +199,15 @@ class LiveRun:
         listener.take(frames)
         if receiver.lacks_within:
             listener.note_loss()
+        if self._events is not None and (receiver.lacks_before or receiver.lacks_within):
+            self._events.lose()
         if listener.run != self._run:
             self._run, self._last_s, self._last = listener.run, -1.0, None
             self._history.clear()
             messages.append(encode_batch(REPLACE, 0, self._history.rows))
             if self._events is not None:
                 self._events.restart()
-            messages.append(json.dumps({"events": [], "replace": True}))
+            messages.append(json.dumps(NO_EVENTS))
         trace, now_s = self.heard.next_trace(), listener.now_s
         if self._rows is None or self._events is None:
             return messages
@@ -274,9 +221,7 @@ class LiveRun:
             messages.append(self._draw(drawn))
         if self._rows.is_over(self._last_s, now_s):
             messages += self._end_curves(self._rows)
-        if found := self._events.find(trace):
-            messages.append(json.dumps({"events": found}))
-        return messages
+        return messages + [one for one in (self._events.find(trace, now_s),) if one]
 
     def _end_curves(self, rows: Rows) -> list[str | bytes]:
         """A value that is no longer received must not look constant."""

@@ -15,7 +15,7 @@ from typing import Any
 _HELLO_S = 0.5
 _DATAGRAM_MAX = 16384
 #: Commands that a page may send.
-COMMANDS = ("start", "pause", "stop", "pace", "inject", "clear", "fault")
+COMMANDS = ("start", "pause", "stop", "pace", "inject", "clear", "fault", "next", "stay", "leave")
 
 
 class Operator:
@@ -28,12 +28,14 @@ class Operator:
         self._path = path
         self._socket: socket.socket | None = None
         self._hello_s = 0.0
+        #: For the supervisor: port of the page, and number of the open pages that may give orders.
+        self.port = self.desks = 0
         #: The supervisor's last report; empty: none.
         self.report: dict[str, Any] = {}
 
     def greet(self) -> None:
         """Greet the supervisor. Its reports are read with the first :meth:`look`."""
-        self._send({"do": "hello"})
+        self._hello()
         self.close()
 
     def execute(self, command: dict[str, Any]) -> str:
@@ -49,7 +51,7 @@ class Operator:
         now_s = time.monotonic()
         if now_s - self._hello_s >= _HELLO_S:
             self._hello_s = now_s
-            if not self._send({"do": "hello"}) and self._socket is None and self.report.get("phase") != "ended":
+            if not self._hello() and self._socket is None and self.report.get("phase") != "ended":
                 # The supervisor has gone.
                 self.report = {}
         answers = []
@@ -72,6 +74,9 @@ class Operator:
         if self._socket is not None:
             self._socket.close()
             self._socket = None
+
+    def _hello(self) -> bool:
+        return self._send({"do": "hello", "port": self.port, "desks": self.desks})
 
     def _send(self, document: dict[str, Any]) -> bool:
         try:

@@ -17,10 +17,10 @@ import numpy as np
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.judge.cross_check import check_folder
-from railhil.judge.events.event import LEVEL, MISSED_POLL, START, RecordedEvent
 from railhil.judge.judging import judging_of, sequence_measures
 from railhil.judge.record import Record, checked_record
 from railhil.panel.branches import Branches
+from railhil.panel.events import describe_event
 from railhil.panel.layout import Chart, Layout, Rows, make_layout
 from railhil.panel.wire import REPLACE, encode_batch
 from railhil.record.documents import read_certificate, read_score
@@ -214,7 +214,7 @@ class RecordedRuns:
         """All rows and events."""
         several = len(self._records) > 1
         events = [
-            _describe_event(event, f"{name} " if several else "")
+            describe_event(event, f"{name} " if several else "")
             for name, record in zip(self._names, self._records, strict=True)
             for event in record.events
         ]
@@ -246,6 +246,10 @@ class RecordedRuns:
     def execute(self, command: dict[str, Any]) -> str:
         """A recorded run takes no orders, but branches (:meth:`railhil.panel.branches.Branches.begin`)."""
         return self.branches.begin(command) if command.get("do") == "branch" else "a recorded run takes no orders"
+
+    @property
+    def report(self) -> None:
+        """Each run has its own."""
 
     def watch(self, can_ids: set[int]) -> None:
         """Frames are not shown."""
@@ -342,19 +346,3 @@ def _describe_verdict(name: str, record: Record) -> str:
     polls = count_of(record.trace.polls, "poll")
     said = f"{name}: {record.verdict}, {missed} of {polls} missed ({record.folder.name})"
     return "; ".join((said, *record.notes))
-
-
-def _describe_event(event: RecordedEvent, run: str) -> dict[str, Any]:
-    words = [event.level, event.detail or event.cause]
-    text = ": ".join(word.replace("_", " ") for word in words if word)
-    if event.kind == MISSED_POLL:
-        text = f"missed poll: {text}"
-    times = f" ({event.count} times)" if event.count > 1 else ""
-    return {
-        "time_s": event.time_s,
-        "until_s": event.until_s if event.kind in (LEVEL, "fault") else None,
-        "kind": "start" if event.kind == START else event.kind,
-        "source": run + event.source,
-        "text": text + times,
-        "rank": event.rank,
-    }

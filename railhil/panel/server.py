@@ -6,10 +6,12 @@ A page gets all news as long as it keeps up; otherwise rows are left out and cou
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
 from importlib.resources import files
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from websockets.asyncio.server import Server, ServerConnection, broadcast, serve, unix_serve
@@ -19,6 +21,7 @@ from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from railhil.panel.wire import POLICY_VIOLATION, SUBPROTOCOL, TooDeep, is_token, parse_object
+from railhil.scenarios.options import PANEL_PORT
 
 if TYPE_CHECKING:
     from railhil.panel.branches import Branches
@@ -34,13 +37,15 @@ REPORT_POLICY = (
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
-_SCRIPTS = ("panel", "desk", "store", "curves", "gauges", "fault_form", "orders", "line", "requirements", "branch")
+_SCRIPTS = (
+    "panel", "desk", "store", "curves", "gauges", "fault_form", "orders", "end", "line", "requirements", "branch"
+)  # fmt: skip
 _OWN = ("panel.css", *(f"{name}.js" for name in _SCRIPTS))
 _OF_CHARTS = (
     "uPlot.iife.min.js", "uPlot.min.css", "gridstack-all.js", "gridstack.min.css", "view.js", "charts.js", "charts.css"
 )  # fmt: skip
-#: Path of the report of a branch, before its number.
-_BRANCH = "/branch/"
+#: Path of the report of the run, and of that of a branch, before its number.
+_REPORT, _BRANCH = "/report", "/branch/"
 #: Path -> package and file.
 _FILES = {
     "/": ("railhil.panel", "static/panel.html"),
@@ -74,6 +79,10 @@ class PageSource(Protocol):
     def watch(self, can_ids: set[int]) -> None:
         """Keep raw frames of these identifiers."""
 
+    @property
+    def report(self) -> Path | None:
+        """The report of the run that has ended; None: there is none."""
+
     def list_kinds(self) -> list[dict[str, Any]]:
         """Kinds of faults that take values during the run (:func:`railhil.panel.operator.list_fault_kinds`)."""
 
@@ -86,6 +95,8 @@ class Page:
         self.left_out = 0
         self.watched: int | None = None
         self.shows_frames = False
+        #: Whether it has shown the right token.
+        self.may_order = False
 
 
 class PanelServer:
@@ -110,7 +121,7 @@ class PanelServer:
         return f"http://127.0.0.1:{self.port}/"
 
     async def listen(self) -> Server:
-        """Open the port; 0 becomes a free one.
+        """Open the port; 0 becomes a free one, and so does :data:`PANEL_PORT` if another program has it.
 
         :raises OSError: it cannot be opened.
         """
@@ -123,9 +134,18 @@ class PanelServer:
         }
         if self._socket is not None:
             return await unix_serve(self._serve, self._socket, **how)
-        server = await serve(self._serve, "127.0.0.1", self.port, **how)
+        try:
+            server = await serve(self._serve, "127.0.0.1", self.port, **how)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE or self.port != PANEL_PORT:
+                raise
+            server = await serve(self._serve, "127.0.0.1", 0, **how)
         self.port = server.sockets[0].getsockname()[1]
         return server
+
+    def count_desks(self) -> int:
+        """Number of open pages that may give orders."""
+        return sum(page.may_order for page in self._pages.values())
 
     def close(self) -> None:
         """End what was begun for the pages."""
@@ -173,7 +193,7 @@ class PanelServer:
         path = request.path.partition("?")[0]
         if path == "/ws":
             return self._check_origin(connection, request)
-        if path.startswith(_BRANCH):
+        if path == _REPORT or path.startswith(_BRANCH):
             return self._serve_report(connection, request, path.removeprefix(_BRANCH))
         if path not in _FILES:
             found = HTTPStatus.NO_CONTENT if path == "/favicon.ico" else HTTPStatus.NOT_FOUND
@@ -183,9 +203,13 @@ class PanelServer:
         return self._page(body, _TYPES[name[name.rindex(".") :]], _POLICY)
 
     def _serve_report(self, connection: ServerConnection, request: Request, number: str) -> Response:
-        """The report of a branch; not to a page that reaches this server under a foreign name."""
-        branches = self._source.branches
-        body = None if branches is None or request.headers.get("Host") not in self._hosts else branches.report(number)
+        """A report; not to a page that reaches this server under a foreign name."""
+        branches, own, body = self._source.branches, self._source.report, None
+        if request.headers.get("Host") in self._hosts:
+            if number == _REPORT:
+                body = own.read_bytes() if own is not None and own.is_file() else None
+            elif branches is not None:
+                body = branches.report(number)
         if body is None:
             return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
         return self._page(body, "text/html", REPORT_POLICY)
@@ -265,6 +289,9 @@ class PanelServer:
             return {"refused": "this page takes no commands"}
         if not is_token(token, self.token):
             return {"refused": "wrong token: open the address that the command has printed"}
+        page.may_order = True
+        if asked.get("do") == "hello":
+            return None
         why = self._source.execute(asked)
         return {"refused": why} if why else {"done": asked.get("do", "")}
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import os
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,12 +22,14 @@ from railhil.common.extras import need
 from railhil.common.output import Output
 from railhil.common.python_process import end_with_parent
 from railhil.index.find import has_runs_below
+from railhil.live.sockets import PANEL_TOKEN
 from railhil.panel.live import LiveRun
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LogFollower, Receiver
 from railhil.panel.server import PanelServer
 from railhil.scenarios.load import find, sentences, stable_name
 from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.options import PANEL_PORT
 
 if TYPE_CHECKING:
     from railhil.panel.foxglove import FoxgloveBridge
@@ -64,7 +67,8 @@ def serve_panel(namespace: argparse.Namespace) -> int:
     requirements = _live_requirements(named, namespace)
     identity = RunIdentity(named, namespace.controller)
     source = LiveRun(identity, receiver, operator, requirements, branches)
-    token = secrets.token_urlsafe(16) if operator or branches else ""
+    # A page that is open stays the desk of the next run.
+    token = os.environ.pop(PANEL_TOKEN, "") or secrets.token_urlsafe(16) if operator or branches else ""
     port = namespace.public_port if namespace.socket and namespace.public_port else namespace.port
     bridge: FoxgloveBridge | None = None
     if namespace.foxglove is not None:
@@ -147,8 +151,10 @@ async def _serve(
     bridge: FoxgloveBridge | None = None,
     operator: Operator | None = None,
 ) -> int:
+    wanted = panel.port
     servers = [await panel.listen()]
-    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}{ended_by}")
+    taken = f" (port {PANEL_PORT} is taken)" * (wanted == PANEL_PORT != panel.port)
+    console.say(f"panel: {panel.address}{f'#token={panel.token}' if panel.token else ''}{taken}{ended_by}")
     if bridge is not None:
         servers.append(await bridge.listen())
         console.say(f"foxglove: ws://127.0.0.1:{bridge.port}")
@@ -157,10 +163,18 @@ async def _serve(
     for number in ending_signals():
         loop.add_signal_handler(number, stopped.append, int(number))
     if operator is not None:
+        operator.port = panel.port
         # The run begins now.
         operator.greet()
+
+    def beside() -> None:
+        if operator is not None:
+            operator.desks = panel.count_desks()
+        if bridge is not None:
+            bridge.tell()
+
     try:
-        await panel.run(lambda: bool(stopped), bridge.tell if bridge is not None else lambda: None)
+        await panel.run(lambda: bool(stopped), beside)
     finally:
         panel.close()
     for server in servers:

@@ -85,7 +85,7 @@ def prepared_for(
     known = enumerate(map(parse, faults), start=1)
     prepared = {number: one for number, one in known if one.trigger.kind == "manual" and is_kind(one, wanted)}
     if not prepared:
-        return f"{text}: not prepared in this run; prepared are those of the list, others before the start (--wait)"
+        return f"{text}: not prepared in this run: its list names what is; others are added before Start"
     fresh = [number for number in prepared if number not in injected]
     if not fresh:
         return f"{text}: as many faults of this kind as are prepared have been injected: each is injected once"
@@ -108,7 +108,25 @@ PACE_MIN, PACE_MAX = 0.1, 1000.0
 #: Longest duration of a fault that can be asked for; a fault without duration lasts until it is cleared.
 DURATION_MAX_S = 86_400.0
 _FAULT_ORDERS = {"inject": FaultOrder.INJECT, "clear": FaultOrder.CLEAR, "value": FaultOrder.VALUE}
+REALTIME_PACE = "a run in real time has its pace from its start on"
 REALTIME_PAUSE = "in real time nothing can stand still: pause a run in lockstep"
+
+
+def check_pace(pace: object) -> str:
+    """Reason why something is no pace; empty: it is one."""
+    if isinstance(pace, (int, float)) and (pace == 0 or PACE_MIN <= pace <= PACE_MAX):
+        return ""
+    return f"pace: found {pace}, allowed 0 (as fast as possible) or {PACE_MIN:g} to {PACE_MAX:g}"
+
+
+def _duration_s(faults: Sequence[str], number: int) -> float | None:
+    """The duration in the text of a fault, in s; None: it has none."""
+    if not 1 <= number <= len(faults) or " for " not in faults[number - 1]:
+        return None
+    # The language is loaded only when it is used.
+    from railhil.faults.language import parse
+
+    return parse(faults[number - 1]).duration_s
 
 
 class Panel(Protocol):
@@ -126,10 +144,17 @@ class OperatorCommands:
 
     :param planned: orders that are sent again, as in a certificate.
     :param panel: a person gives orders there; None: there is no panel. :param lockstep: time can stand still.
-    :param faults: of the run, as texts.
+    :param faults: of the run, as texts. :param pace: simulated seconds per second, 0: as fast as possible.
     """
 
-    def __init__(self, planned: Sequence[str], panel: Panel | None, lockstep: bool, faults: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        planned: Sequence[str],
+        panel: Panel | None,
+        lockstep: bool,
+        faults: Sequence[str] = (),
+        pace: float = 0.0,
+    ) -> None:
         self._planned = parse_commands(planned)
         self._panel = panel
         self._lockstep = lockstep
@@ -139,15 +164,17 @@ class OperatorCommands:
         #: Durations asked for, by the number of a fault; then the simulation times at which it is cleared.
         self._lasts_s: dict[int, float] = {}
         self._ends_s: dict[int, float] = {}
+        #: Simulation times at which the nodes end a fault by themselves.
+        self._own_ends_s: dict[int, float] = {}
         #: Numbers of faults that were injected, and of the faults that can still be cleared.
         self._injected: set[int] = set()
         self._active: set[int] = set()
         self._paused = False
         #: Nothing is ordered after Stop: the plant ends with it.
         self._stopped = False
-        #: Simulated seconds per second, 0: as fast as possible; and from which instants it counts.
-        self._pace = 0.0
-        self._pace_from: tuple[float, float] = (0.0, 0.0)
+        #: From which instants the pace counts; None: from the first SUP_CMD.
+        self._pace = pace
+        self._pace_from: tuple[float, float] | None = None
         self._told_s = 0.0
         #: All orders, as texts.
         self.sent: list[str] = []
@@ -181,6 +208,8 @@ class OperatorCommands:
             self._active.add(order.number)
             if order.number in self._lasts_s:
                 self._ends_s[order.number] = sim_time_s + self._lasts_s.pop(order.number)
+            if self._panel is not None and (own_s := _duration_s(self._faults, order.number)) is not None:
+                self._own_ends_s[order.number] = sim_time_s + own_s
         return SupCommand.START, order.number, _FAULT_ORDERS[order.word]
 
     def _next(self, number: int) -> OperatorCommand | None:
@@ -192,6 +221,9 @@ class OperatorCommands:
 
     def _end_faults(self, sim_time_s: float) -> None:
         """Clear the faults whose duration is over: with the first SUP_CMD at or after its end."""
+        for number in [one for one, end_s in self._own_ends_s.items() if sim_time_s >= end_s]:
+            del self._own_ends_s[number]
+            self._active.discard(number)
         for number in [one for one, end_s in self._ends_s.items() if sim_time_s >= end_s]:
             del self._ends_s[number]
             if number in self._active:
@@ -222,6 +254,8 @@ class OperatorCommands:
     def _due_s(self, sim_time_s: float) -> float:
         if not self._pace:
             return 0.0
+        if self._pace_from is None:
+            self._pace_from = sim_time_s, time.monotonic()
         from_sim_s, from_wall_s = self._pace_from
         return from_wall_s + (sim_time_s - from_sim_s) / self._pace
 
@@ -243,7 +277,7 @@ class OperatorCommands:
             if what == "inject":
                 return self._inject(number, b"", command.get("for_s"))
             if number not in self._active:
-                return f"fault {number} is not injected"
+                return f"fault {number} is {'over' if number in self._injected else 'not injected'}"
             self._clear(number)
             return ""
         if what == "fault":
@@ -262,10 +296,10 @@ class OperatorCommands:
             return ""
         if what == "pace":
             if not self._lockstep:
-                return "the pace of a run in real time is --rate"
-            if not isinstance(pace, (int, float)) or not (pace == 0 or PACE_MIN <= pace <= PACE_MAX):
-                return f"pace: found {pace}, allowed 0 (as fast as possible) or {PACE_MIN:g} to {PACE_MAX:g}"
-            self._pace, self._pace_from = float(pace), (sim_time_s, time.monotonic())
+                return REALTIME_PACE
+            if why := check_pace(pace):
+                return why
+            self._pace, self._pace_from = float(pace or 0), (sim_time_s, time.monotonic())
             return ""
         return f"no such command: {what}"
 
@@ -314,6 +348,11 @@ class OperatorCommands:
                 "injected": sorted(self._injected),
                 "active": sorted(self._active),
                 "sending": self._given.faults,
+                # Where both are known the earlier one holds.
+                "ends_s": {
+                    one: min(ends[one] for ends in (self._ends_s, self._own_ends_s) if one in ends)
+                    for one in self._active & {*self._ends_s, *self._own_ends_s}
+                },
                 "orders": len(self.sent),
             }
         )

@@ -28,7 +28,7 @@ class Plan:
     """A run that is about to begin, in its folder and on its bus.
 
     :param folder: existing run folder, for the log and the files of the nodes.
-    :param panel: connection to a person who gives orders.
+    :param panel: connection to a person who gives orders; ``pace`` with which the run begins there, 0: the fastest.
     """
 
     spec: RunSpec
@@ -36,12 +36,14 @@ class Plan:
     choice: BusChoice
     folder: Path
     panel: Panel | None = None
+    pace: float = 0.0
 
     def make_operator(self) -> OperatorCommands | None:
         """What takes the orders of the person at the panel, besides those of the run; None without a panel."""
         if self.panel is None:
             return None
-        return OperatorCommands(self.spec.orders, self.panel, not self.spec.is_realtime, self.scenario.faults)
+        lockstep = not self.spec.is_realtime
+        return OperatorCommands(self.spec.orders, self.panel, lockstep, self.scenario.faults, self.pace)
 
 
 class Observer:

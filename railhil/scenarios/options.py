@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 _JOBS_MAX = 1024
 _RUNS_MAX = 1_000_000
 _SECTIONS_MAX = 255
-#: Largest TCP port.
-PORT_MAX = 65535
+#: Largest TCP port, and the port of the panel's page.
+PORT_MAX, PANEL_PORT = 65535, 8765
 #: A parser, or a group of its options.
 Options = argparse._ActionsContainer
 

@@ -6,6 +6,8 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +23,13 @@ from railhil.run.spec import with_requirements
 from railhil.scenarios.run_spec import RunSpec
 
 
-def _beside(folder: Path, port: int) -> Any:
-    """The context of a lockstep run over pipes with a panel at this port."""
+@contextmanager
+def _beside(folder: Path, port: int) -> Iterator[Any]:
+    """A lockstep run over pipes with a panel at this port."""
     spec = RunSpec("lvshun_tieshan")
-    return cli.PanelBeside(port, None, None).beside(Plan(spec, spec.load(), own_pipes(), folder))
+    beginning = Plan(spec, spec.load(), own_pipes(), folder)
+    with cli.PanelBeside(port, None, None) as page, page.beside(beginning) as plan:
+        yield plan
 
 
 @pytest.mark.slow

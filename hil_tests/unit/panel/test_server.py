@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 import struct
 import urllib.error
 import urllib.request
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +21,7 @@ from railhil.panel.wire import APPEND, SUBPROTOCOL, encode_batch
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
+from railhil.panel import server as server_module  # noqa: E402
 from railhil.panel.server import PanelServer  # noqa: E402
 from railhil.panel.tcp_to_unix import open_gateway  # noqa: E402
 
@@ -33,6 +36,7 @@ class ScriptedSource:
         self.watched: set[int] = set()
         self.lists = 0
         self.branches: Any = None
+        self.report: Path | None = None
 
     def describe(self) -> dict[str, Any]:
         return {"kind": "live"}
@@ -229,6 +233,56 @@ def test_the_report_of_a_branch_asks_for_nothing_and_is_given_under_no_foreign_n
             await asyncio.to_thread(refused, *asked_for)
 
     served(visit)
+
+
+def test_the_report_of_the_run_that_has_ended_is_given_as_soon_as_there_is_one(tmp_path):
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        def fetched() -> Any:
+            return urllib.request.urlopen(f"{panel.address}report", timeout=10)
+
+        def refused() -> None:
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                fetched()
+
+        await asyncio.to_thread(refused)
+        source.report = tmp_path / "report.html"
+        await asyncio.to_thread(refused)
+        source.report.write_bytes(b"<p>report")
+        answer = await asyncio.to_thread(fetched)
+        assert answer.read() == b"<p>report"
+        assert "sandbox allow-scripts;" in answer.headers["Content-Security-Policy"]
+
+    served(visit)
+
+
+def test_a_page_is_a_desk_once_it_has_shown_the_token():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as watching, page(panel) as desk:
+            await asked(watching, {"do": "hello", "token": "wrong"})
+            await desk.send(json.dumps({"do": "hello", "token": TOKEN}))
+            while not panel.count_desks():
+                await asyncio.sleep(0.01)
+            assert panel.count_desks() == 1
+        while panel.count_desks():
+            await asyncio.sleep(0.01)
+
+    assert served(visit).commands == []
+
+
+def test_only_the_usual_port_is_replaced_by_a_free_one(monkeypatch):
+    async def all_of_it() -> None:
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            with pytest.raises(OSError, match="in use"):
+                await PanelServer(ScriptedSource(), TOKEN, port).listen()
+            monkeypatch.setattr(server_module, "PANEL_PORT", port)
+            panel = PanelServer(ScriptedSource(), TOKEN, port)
+            server = await panel.listen()
+            assert panel.port not in (0, port)
+            server.close()
+            await server.wait_closed()
+
+    asyncio.run(all_of_it())
 
 
 def test_a_batch_is_times_then_columns():

@@ -75,6 +75,41 @@ def test_a_fault_of_some_duration_is_cleared_with_the_first_telegram_after_it(cl
     assert "injected once" in panel.refusals[-1]
 
 
+def test_the_panel_is_told_when_each_fault_ends_and_that_it_is_over(clock):
+    faults = ("TRN_SPEED loss @manual", "NOTCH_CMD loss @manual for 300ms", "TRN_POS loss @manual")
+    panel = ScriptedPanel(
+        [{"do": "inject", "fault": 1, "for_s": 0.5}, {"do": "inject", "fault": 2}, {"do": "inject", "fault": 3}]
+    )
+    one = OperatorCommands((), panel, True, faults)
+    clock[0] += 1.0
+    for number in range(75, 79):
+        one.answer(number, 12.0 + 0.16 * (number - 75))
+        clock[0] += 1.0
+    told = [report for report in panel.told if "phase" in report]
+    # The second SUP_CMD has the second fault, whose node ends it by itself.
+    assert told[-1]["ends_s"] == pytest.approx({1: 12.5, 2: 12.46})
+    assert told[-1]["active"] == [1, 2, 3]
+    one.answer(79, 12.64)
+    clock[0] += 1.0
+    one.answer(80, 12.8)
+    told = [report for report in panel.told if "phase" in report]
+    assert (told[-1]["ends_s"], told[-1]["active"], told[-1]["injected"]) == ({}, [3], [1, 2, 3])
+    assert one.sent == ["75 inject 1", "76 inject 2", "77 inject 3", "79 clear 1"]
+    panel.looks = [[{"do": "clear", "fault": 2}]]
+    one.answer(81, 13.0)
+    assert panel.refusals[-1] == "fault 2 is over"
+
+
+def test_a_run_begins_at_the_pace_that_was_chosen_before(clock):
+    panel = ScriptedPanel()
+    one = OperatorCommands((), panel, True, FAULTS, 2.0)
+    one.answer(1, 0.0)
+    assert panel.waited_s == 0.0
+    before_s = clock[0]
+    one.answer(2, 4.0)
+    assert clock[0] - before_s == pytest.approx(2.0, abs=0.1)
+
+
 def test_a_prepared_fault_is_injected_by_its_text(clock):
     faults = (*FAULTS, "TRN_SPEED loss 5% @manual combine id T1b", "speed off @manual combine id S1a")
     panel = ScriptedPanel([{"do": "fault", "text": "sensor.speed off for 200 ms"}])

@@ -110,7 +110,9 @@ const railhilCharts = (() => {
       ctx.strokeStyle = ctx.fillStyle = colour(marker.fault ? "fault" : "dim");
       if (marker.until > marker.at) {
         ctx.globalAlpha = marker.fault ? .16 : .08;
-        ctx.fillRect(x, bbox.top, plot.valToPos(marker.until, "x", true) - x, bbox.height);
+        // Infinity: as far as the chart goes.
+        const end = Math.min(plot.valToPos(marker.until, "x", true), bbox.left + bbox.width);
+        if (end > x) ctx.fillRect(x, bbox.top, end - x, bbox.height);
         ctx.globalAlpha = 1;
       }
       ctx.lineWidth = (marker.fault ? 2 : 1) * ratio;

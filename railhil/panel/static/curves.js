@@ -102,7 +102,7 @@ export class Curves {
 
   markers(events) {
     const shown = events.map((one) => ({
-      at: this.xOf(one.time_s), until: one.until_s == null ? undefined : this.xOf(one.until_s),
+      at: this.xOf(one.time_s), until: one.is_open ? Infinity : one.until_s == null ? undefined : this.xOf(one.until_s),
       text: `${one.source}: ${one.text}`, fault: one.kind === "fault",
     }));
     for (const one of this.charts) one.handle.setMarkers(shown);

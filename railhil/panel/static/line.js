@@ -47,12 +47,13 @@ export class Line {
     handle.setData(joined([...profiles, ...tables]));
   }
 
-  // Faults, from where the first train was when they began to act.
+  // Faults, from where the first train was when they began to act, to where it was when they ended or is now.
   markers(events) {
     if (!this.charts.length) return;
+    this.open = events.some((one) => one.is_open) ? events : null;
     const store = this.stores[0], way = store.values[this.layout.position], at = (timeS) => way[store.rowAt(timeS)];
     const shown = events.filter((one) => one.kind === "fault").map((one) => ({ at: at(one.time_s), fault: true,
-      until: one.until_s == null ? undefined : at(one.until_s), text: `${one.source}: ${one.text}` })).filter((one) => one.at !== undefined);
+      until: one.is_open ? at(store.endS) : one.until_s == null ? undefined : at(one.until_s), text: `${one.source}: ${one.text}` })).filter((one) => one.at !== undefined);
     for (const { handle } of this.charts) handle.setMarkers(shown);
   }
 
@@ -61,6 +62,7 @@ export class Line {
   // The trains where they are in some rows; -1: not known. isSeen: what nobody sees is not drawn.
   show(rows, isSeen) {
     if (!this.charts.length) return;
+    if (this.open) this.markers(this.open);
     const places = rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]]));
     // A chart that is drawn anyway is not drawn twice.
     this.charts.forEach(({ handle }, at) => handle.setPlaces(places, at > 0 || !this.dirty));

@@ -17,7 +17,8 @@ function duration() {
 export class Orders {
   // send: called with a message for the server.
   constructor(send) {
-    Object.assign(this, { send, token: "", number: 0, answers: new Map(), operator: null });
+    // Answers reach every page: each has numbers of its own.
+    Object.assign(this, { send, token: "", number: 1000 * Math.floor(1e9 * Math.random()), answers: new Map(), operator: null });
     this.form = new FaultForm(byId("own"), () => send({ kinds: true }), (text) => { byId("fault").value = text; });
     byId("start").addEventListener("click", () => this.order({ do: "start" }, "start"));
     byId("pause").addEventListener("click", () => this.order({ do: "pause" }, "pause"));
@@ -33,7 +34,12 @@ export class Orders {
     });
   }
 
-  begin(header) { byId("desk").hidden = !header.commands; }
+  begin(header) {
+    byId("desk").hidden = !header.commands;
+    // Who has the token is at the desk: the end of the run waits for this page.
+    if (header.commands && this.token) this.send({ token: this.token, do: "hello" });
+    if (!this.token) byId("answer").textContent = "○ this page watches: orders need the address that the command has printed";
+  }
 
   // said: what the page says when the order is taken.
   order(document, said) {
@@ -43,7 +49,7 @@ export class Orders {
     this.send({ token: this.token, id: this.number, ...document });
   }
 
-  answer({ answer, refused }) { this.say(refused, this.answers.get(answer)); }
+  answer({ answer, refused }) { if (this.answers.has(answer)) this.say(refused, this.answers.get(answer)); }
 
   say(refused, said = "") {
     const box = byId("answer");
@@ -59,22 +65,22 @@ export class Orders {
   // operator: the supervisor's report; null or undefined: none is known.
   show(operator) {
     this.operator = operator;
-    const phase = operator?.phase ?? "", faults = operator?.faults ?? [], emergency = this.emergency;
-    const runs = phase === "running" || phase === "paused", may = (id, on, why) => {
+    const phase = this.token ? operator?.phase ?? "" : "", faults = operator?.faults ?? [], emergency = this.emergency;
+    const runs = phase === "running" || phase === "paused", waits = phase === "waiting", may = (id, on, why) => {
       byId(id).disabled = !on;
       if (why !== undefined) byId(id).title = why;
     };
-    may("start", phase === "waiting" || phase === "paused");
+    may("start", waits || phase === "paused");
     may("pause", phase === "running" && operator.lockstep,
       operator && !operator.lockstep ? "in real time nothing can stand still" : "pause (P)");
     may("stop", runs);
     may("emergency", runs && emergency > 0, emergency ? "open the safety loop (E)" : "no safety loop is prepared in this run");
     may("reset", runs && emergency > 0);
-    may("pace", runs && operator.lockstep);
+    may("pace", (runs || waits) && operator.lockstep);
     byId("pace-of").hidden = Boolean(operator) && operator.lockstep === false;
     const prepared = faults.map((text, at) => [text, at + 1]).filter(([text]) => CATALOGUED.test(text));
-    const can = phase === "waiting" || (runs && prepared.length > 0);
-    may("add", can, can ? "" : "faults are added before the start (--wait), or prepared (--catalogue)");
+    const can = waits || (runs && prepared.length > 0);
+    may("add", can, can ? "" : runs ? "this run has no further faults: they are added before Start" : "no run takes faults now");
     byId("add").textContent = runs ? "Inject" : "Add";
     byId("fault").disabled = byId("lasts").disabled = !can;
     byId("own").hidden = !can;
@@ -83,17 +89,26 @@ export class Orders {
   }
 
   #showFaults(faults, prepared, runs) {
-    const box = byId("faults"), active = this.operator?.active ?? [], sending = this.operator?.sending ?? [];
+    const { active = [], injected = [], sending = [], ends_s: ends = {}, time_s: nowS = 0 } = this.operator ?? {};
+    const box = byId("faults"), state = (number) => (sending.includes(number) ? " (being sent)"
+      : number in ends ? ` (${Math.max(0, ends[number] - nowS).toFixed(1)} s left)` : active.includes(number) ? " (acts)" : "");
     const manual = faults.map((text, at) => [text, at + 1]).filter(([text, at]) => text.includes("@manual")
       && at !== this.emergency && (!CATALOGUED.test(text) || active.includes(at)));
-    const key = JSON.stringify([manual, runs, faults.length, sending]);
+    const key = JSON.stringify([manual, runs, faults.length, active, injected]);
+    const told = (what, number) => (what === "clear" ? state(number) : injected.includes(number) ? " (used)" : "");
+    for (const one of box.dataset.key === key ? box.children : []) {
+      one.querySelector("i").textContent = told(one.dataset.do, Number(one.dataset.fault));
+    }
     if (box.dataset.key === key) return;
     box.dataset.key = key;
     byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
     box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
       const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
-        what === "inject" ? `⚡ ${short}` : sending.includes(number) ? `clear ${short} (being sent)` : `clear ${short}`);
-      button.disabled = !runs;
+        what === "inject" ? `⚡ ${short}` : `clear ${short}`);
+      const used = what === "inject" && injected.includes(number);
+      button.append(element("i", {}, told(what, number)));
+      button.disabled = !runs || (what === "inject" ? used : !active.includes(number));
+      button.title = used ? "a fault is injected once in a run" : "";
       button.addEventListener("click", () => this.order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
       return button;
     })));

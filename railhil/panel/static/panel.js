@@ -1,6 +1,7 @@
 // The live panel: one WebSocket to the server that has served this page, nothing else.
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
+import { End } from "./end.js";
 import { Orders } from "./orders.js";
 import { Desk } from "./desk.js";
 import { Line } from "./line.js";
@@ -9,11 +10,13 @@ import { BranchForm } from "./branch.js";
 import { Gauges, element, showEvents, showFrames, showLamps } from "./gauges.js";
 
 const APPEND = 1, REPLACE = 2;
+// With this code a server closes that ends as it should (RFC 6455, 7.4.1).
+const GOING_AWAY = 1001;
 const byId = (id) => document.getElementById(id);
 const counters = { batches: 0, rows: 0, frames: 0, since: performance.now(), closed: 0 };
 const page = {
   header: null, layout: null, stores: [], curves: null, line: null, gauges: null, events: [], state: null, picked: null, watched: null, listSeen: false, lineSeen: false,
-  learning: [], socket: null, pending: false,
+  learning: [], socket: null, pending: false, hasEvents: false,
 };
 
 // The token stands behind # and is not sent with the request; the address bar forgets it, this tab does not.
@@ -36,17 +39,26 @@ function connect() {
   socket.binaryType = "arraybuffer";
   page.socket = socket;
   socket.onopen = () => connected(true);
-  socket.onclose = () => { counters.closed += 1; connected(false); setTimeout(connect, 700); };
+  socket.onclose = (event) => { counters.closed += 1; connected(false, event.code === GOING_AWAY); setTimeout(connect, 700); };
   socket.onmessage = (event) => {
     if (typeof event.data === "string") take(JSON.parse(event.data)); else takeBatch(event.data);
   };
 }
 
-function connected(is) {
-  const box = byId("connection");
-  box.className = is ? "good" : "bad";
-  box.textContent = is ? `● connected${counters.closed ? " again" : ""}` : "✕ connection lost, trying again";
-  if (!is) { page.state = null; orders.show(null); }
+// hasEnded: the server has said that it ends.
+function connected(is, hasEnded = false) {
+  const box = byId("connection"), phase = byId("phase");
+  const over = hasEnded || end.isShown;
+  // Attempts to connect again tell nothing new.
+  if (!is && box.className === "over") return;
+  box.className = is ? "good" : over ? "over" : "bad";
+  box.textContent = is ? `● connected${counters.closed ? " again" : ""}`
+    : end.isShown ? "■ the run has ended" : over ? "■ the panel has ended" : "✕ connection lost, trying again";
+  if (is) return;
+  if (page.state && !over) phase.textContent = `last known: ${phase.textContent}`;
+  page.state = null;
+  orders.show(null);
+  end.lose();
 }
 
 function send(document) {
@@ -59,9 +71,8 @@ function take(message) {
   if (message.header) begin(message.header);
   if (message.events) {
     page.events = message.replace ? message.events : [...page.events, ...message.events].slice(-1000);
-    showEvents(byId("events"), page.events, pick);
-    page.curves.markers(page.events.filter((one) => one.kind !== "start"));
-    page.line.markers(page.events);
+    page.hasEvents = true;
+    showLater();
   }
   if (message.state) { page.state = message.state; showState(message.state); }
   if (message.frames) showList(message);
@@ -81,6 +92,7 @@ function begin(header) {
   byId("title").textContent = header.runs.map((run) => run.name).join(" · ");
   document.title = `${header.runs[0].name} - railhil`;
   orders.begin(header);
+  end.show(null);
   byId("judged").hidden = true;
   branches.begin(header);
   byId("frames-of").hidden = header.kind !== "live";
@@ -156,6 +168,12 @@ function showLater() {
 
 function show() {
   if (!page.gauges) return;
+  if (page.hasEvents) {
+    page.hasEvents = false;
+    showEvents(byId("events"), page.events, pick);
+    page.curves.markers(page.events.filter((one) => one.kind !== "start"));
+    page.line.markers(page.events);
+  }
   const end = Math.max(0, ...page.stores.map((store) => store.endS));
   const instant = page.picked ?? end;
   const rows = page.stores.map((store) => store.rowAt(instant + 1e-6));
@@ -182,18 +200,20 @@ function pick(timeS) {
 function showState(state) {
   const box = byId("phase"), operator = state.operator;
   const parts = [state.time_s === null ? "time not known" : `${state.time_s.toFixed(1)} s`, state.run];
-  if (operator?.phase) parts.unshift(operator.phase === "ended" ? `ended: ${verdict(operator)}` : operator.phase);
+  const hasEnded = operator?.phase === "ended";
+  if (operator) parts.unshift(hasEnded ? `ended: ${operator.verdict}` : operator.phase ?? "no supervisor takes orders");
   parts.push(`bus ${state.load === null ? "–" : `${(100 * state.load).toFixed(1)} %`}`);
   parts.push(`polls missed ${state.missed} of ${state.polls}`, `frames ${state.frames}`, `dropped here ${state.dropped}`);
   const late = operator?.lateness;
   if (late) parts.push(`ticks late p99 ${late.p99_ms.toFixed(2)} ms, worst ${late.worst_ms.toFixed(2)} ms`);
   box.textContent = parts.join(" · ");
   const notice = byId("notice");
-  const trouble = operator?.phase === "waiting" ? "" : state.bus;
+  const trouble = hasEnded || operator?.phase === "waiting" ? "" : state.bus;
   const said = [trouble, ...state.notices].filter(Boolean);
   notice.hidden = !said.length;
   notice.replaceChildren(...said.map((text) => element("span", {}, text)));
   orders.show(operator);
+  end.show(operator, Boolean(orders.token));
 }
 
 function showList(message) {
@@ -208,11 +228,6 @@ function tellShown() {
   send({ frames: page.listSeen && !document.hidden });
 }
 
-function verdict(operator) {
-  const word = ["PASS", "FAIL", "refused", "INVALID"][operator.exit_code] ?? "TOOL ERROR";
-  return operator.line ? `${word} (${operator.line})` : word;
-}
-
 function watch(id) {
   page.watched = page.watched === id ? null : id;
   send({ watch: page.watched });
@@ -223,6 +238,8 @@ function watch(id) {
 const orders = new Orders(send);
 
 const desk = new Desk(byId("tiles"), byId("arrange"));
+
+const end = new End(byId("end"), byId("desk"), (asked) => orders.order(asked, ""));
 
 const branches = new BranchForm(byId("branch"), (asked) => orders.order(asked, ""));
 
