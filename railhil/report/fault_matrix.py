@@ -59,7 +59,8 @@ class Table:
     @property
     def pairs(self) -> Sequence[Mapping[str, Any]]:
         """The runs with two random faults each."""
-        return self.document.get("pairs", ())
+        pairs: Sequence[Mapping[str, Any]] = self.document.get("pairs", ())
+        return pairs
 
     @property
     def broken(self) -> list[tuple[Mapping[str, Any], str]]:
@@ -119,7 +120,9 @@ def safe_state(row: Row) -> str:
         return ""
     if row.safe_s is None:
         return "stays at NORMAL" if ends == "resumes" else "not reached"
-    return f"{'NORMAL again' if ends == 'resumes' else ENDS[ends]} after {after(row, row.safe_s) or '?'}"
+    if row.effective_s is not None and row.safe_s <= row.effective_s:
+        return f"{ENDS[ends]} from before"
+    return f"{'NORMAL again' if ends == 'resumes' else ENDS[ends]} after {after(row, row.safe_s)}"
 
 
 def read_table(folder: Path, name: str, out: Path) -> Table:

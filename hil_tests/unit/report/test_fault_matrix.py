@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,20 @@ def test_the_bar_is_the_part_of_the_bound_that_was_used(tmp_path: Path) -> None:
     assert 'class="over" y="1" width="100.0"' in page(table(tmp_path, LATE))
 
 
+def test_a_reaction_at_its_bound_is_no_violation(tmp_path: Path) -> None:
+    """The difference of the two times is 70.0000000000003 ms."""
+    text = page(table(tmp_path, replace(KEPT, effective_s=23.85, reaction_s=23.92)))
+    assert 'class="used" y="1" width="100.0"' in text
+    assert "70 of 70&nbsp;ms, margin&nbsp;0&nbsp;ms" in text
+    assert "least margin 0% of its bound" in text
+
+
+def test_a_train_that_stood_before_the_fault_stands_from_before(tmp_path: Path) -> None:
+    stands = ENTRY.model_copy(update={"ends": "standstill"})
+    assert "the train stands from before" in page(table(tmp_path, replace(KEPT, entry=stands, safe_s=12.0)))
+    assert "the train stands after 12.0 s" in page(table(tmp_path, replace(KEPT, entry=stands, safe_s=32.01)))
+
+
 def test_each_entry_says_what_was_required_and_what_came(tmp_path: Path) -> None:
     text = page(table(tmp_path, KEPT, ABSENT))
     for words in (
@@ -127,6 +142,7 @@ def test_a_table_without_the_demands_of_its_entries_is_refused_in_a_line(tmp_pat
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("width_px", [400, 1200, 2560])
 def test_the_page_fits_every_screen(tmp_path: Path, width_px: int) -> None:
-    page(table(tmp_path, KEPT, LATE, ABSENT))
+    long = "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"
+    page(*(table(tmp_path / name, KEPT, LATE, ABSENT, scenario=long) for name in "ab"))
     wide = "({beyond: document.documentElement.scrollWidth - window.innerWidth})"
-    assert asked(tmp_path / "report.html", wide, width_px)["beyond"] <= 0
+    assert asked(tmp_path / "a" / "report.html", wide, width_px)["beyond"] <= 0

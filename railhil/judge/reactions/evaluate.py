@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 VERDICTS = {PASS: "PASS", FAIL: "FAIL", INVALID: "INVALID", TOOL_ERROR: "TOOL ERROR"}
 #: Beginning of the sentence for a broken rule of every run (:mod:`railhil.systems.ato.judge.invariants`).
 RULE = "invariant"
+#: Decimals of a delay in ms; the bench counts in µs.
+_DIGITS = 6
 #: Time at NORMAL before the end of the record after which a watch counts as resumed.
 RESUMED_S = 1.0
 
@@ -170,9 +172,11 @@ class Row:
     @property
     def bound(self) -> tuple[float | None, int | None]:
         """Delay and bound of the reaction in ms, or those of the sign with the smallest margin; None: not known."""
-        if self.entry.within_ms is None and self.tightest is not None:
-            return self.tightest
-        return self.after_ms, self.entry.within_ms
+        after_ms, within_ms = self.after_ms, self.entry.within_ms
+        if within_ms is None and self.tightest is not None:
+            after_ms, within_ms = self.tightest
+        # A difference of two times: 70 ms are no 70.000000000003.
+        return None if after_ms is None else round(after_ms, _DIGITS), within_ms
 
 
 def _cause(event: RecordedEvent) -> str:
