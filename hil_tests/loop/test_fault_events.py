@@ -82,3 +82,14 @@ def test_a_fault_without_an_end_lasts_to_the_end_of_the_record() -> None:
 def test_the_line_names_three_faults_that_changed_something() -> None:
     found = [entry(1, hits=0), *(entry(number) for number in range(2, 7))]
     assert faults_said(list(fault_events(found, 90.0))) == [*["fault speed stuck from 60.00 s"] * 3, "2 more faults"]
+
+
+def test_a_train_stronger_than_its_transducer_shows_the_end_of_its_range(tmp_path: Path) -> None:
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML)
+    spec = RunSpec(str(tmp_path / "short.toml"), bus="local", faults=("traction scale 10 @1s",))
+    run = railhil.run(spec, bus="local", out=tmp_path / "run")
+    assert run.verdict != "TOOL ERROR"
+    trace = run.trace
+    assert trace.values("TRN_POS", "EffortActual").max() == pytest.approx(200.0, abs=0.01)
+    # The truth is not cut off.
+    assert trace.values("SIM_TRUTH", "TrueAccel").max() > 2.0

@@ -54,6 +54,8 @@ class TrainTelegrams:
         self._speed_max = _highest(TrnSpeed, "speed_01mmps")
         # "That far or farther".
         self._distance_max = _highest(TrkInfo, "next_limit_distance_m")
+        # Its transducer ends there: a train under a fault may be stronger.
+        self._effort_max = _highest(TrnPos, "effort_bipolar2")
         # Life signs of the ports that the train publishes, each with its own modulus.
         self._lives: dict[str, Iterator[int]] = defaultdict(lambda: cycle(range(16)), {TrkInfo.PORT: cycle(range(4))})
         # The life signs of the most frequent ports.
@@ -104,7 +106,7 @@ class TrainTelegrams:
         plant = self._plant
         return TrnPos(
             plant.odometer_mm,
-            rounded(plant.effort_fraction * _BIPOLAR_FULL),
+            rounded(min(max(plant.effort_fraction * _BIPOLAR_FULL, -self._effort_max), self._effort_max)),
             rounded(plant.notch_acting / 16),
             life=next(self._position_life),
         )
