@@ -188,7 +188,7 @@ def _missing(claim: Claim, by_number: Mapping[int, Evidence], verdict: str) -> I
     ):
         if verdict != SHOWN and (runs := [run.evidence for run in claim.of(word)]):
             yield f"{word} in {count_of(len(runs), 'run')} ({why}): {named(runs)}"
-    if claim.tests and not claim.of(KEPT):
+    if verdict == SHOWN and not claim.of(KEPT):
         has_sentence = claim.requirement is not None and claim.requirement.says
         rests = "its sentence was kept in no run" if has_sentence else "no sentence"
         yield f"{rests}: it rests on the assertions of its tests"

@@ -44,7 +44,7 @@ class Dossier:
     claims: Sequence[Claim]
     evidence: Sequence[Evidence]
     validation: Validation | None
-    doctor: Mapping[str, Any]
+    doctor: Mapping[str, str]
     written: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -141,6 +141,7 @@ class Dossier:
         tools = [{**vars(one), "made": [item.name for item in one.made]} for one in self.tools]
         return {
             "written": self.written,
+            "headline": self.headline,
             "complete": self.is_complete,
             "gaps": self.gaps,
             "claims": [_claim(one) for one in self.claims],
@@ -184,7 +185,7 @@ def make_dossier(
     listed: Sequence[Requirement] = (),
     key: Path | None = None,
     validation: Path | None = None,
-    doctor: Mapping[str, Any] | None = None,
+    doctor: Mapping[str, str] | None = None,
 ) -> Dossier:
     """Check and read all folders.
 

@@ -86,7 +86,7 @@ def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
     shown = said[:_ROWS_MAX]
     others: dict[str, list[Evidence]] = {}
     for run in claim.runs:
-        if run not in said:
+        if run not in said and (run.counts or not run.verdict):
             others.setdefault(run.verdict or run.why_not, []).append(run.evidence)
     rest = [f"{word} in {count_of(len(items), 'run')}: {named(items)}" for word, items in others.items()]
     if further := said[_ROWS_MAX:]:

@@ -23,6 +23,8 @@ DOCTOR = "doctor.json"
 CODE, VERSION = "code_sha256", "railhil"
 _HASH = re.compile(r"frames_sha256(\.\d+)?")
 _WRITTEN = "a JUnit report of pytest"
+_UNIT = "unit"
+_MARGIN = (float, int, type(None))
 #: Element of a JUnit case -> outcome of its test.
 _ENDS = {"failure": "failed", "error": "error", "skipped": "skipped"}
 
@@ -76,6 +78,7 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
     reports: list[tuple[str, str, Sequence[tuple[str, object]]]] = []
     runs: dict[str, _Runs] = {}
     names: dict[str, str] = {}
+    found = {one.document.get("frames_sha256"): one.number for one in reversed(evidence)}
     # Tables have the ids of pytest, reports their own names of the same tests.
     for path in sorted(files, key=lambda one: one.name != FILE_NAME):
         for outcome, test, properties in _of_table(path) if path.name == FILE_NAME else _of_junit(path):
@@ -86,7 +89,6 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
             if path.name == FILE_NAME:
                 own.numbers |= set(_beside(path, test, evidence))
             hashes = [value for key, value in properties if _HASH.fullmatch(key)]
-            found = {one.document.get("frames_sha256"): one.number for one in reversed(evidence)}
             own.numbers |= {found[value] for value in hashes if value in found}
             own.missing = max(own.missing, sum(value not in found for value in hashes))
     return [
@@ -117,21 +119,22 @@ _Report: TypeAlias = tuple[str, str, list[tuple[str, str]]]
 def _of_table(path: Path) -> Iterator[_Report]:
     """Outcome, test and properties of each row."""
     with refuse_unreadable(path, "a table of requirements as pytest has written it"):
-        rows = list(csv.DictReader(given_text(path).splitlines()))
-    for row in rows:
-        if row.get("outcome") not in SAYS or not row.get(PROPERTY) or not row.get("test"):
-            raise InputError(path, "", Words("is no table of requirements"), f"columns {PROPERTY}, test and outcome")
-        shown = {key: row[key] for key in COLUMNS if row.get(key)}
-        yield (
-            row["outcome"],
-            row["test"],
-            [(PROPERTY, row[PROPERTY]), (f"{PROPERTY}.{row[PROPERTY]}", json.dumps(shown))],
-        )
+        for row in csv.DictReader(given_text(path).splitlines()):
+            name, test, outcome = (row.get(key) for key in (PROPERTY, "test", "outcome"))
+            if not name or not test or outcome not in SAYS:
+                raise ValueError(f"columns {PROPERTY}, test and outcome")
+            shown = {key: row[key] if key == _UNIT else float(row[key]) for key in COLUMNS if row.get(key)}
+            yield str(outcome), test, [(PROPERTY, name), (f"{PROPERTY}.{name}", json.dumps(shown))]
 
 
 def _of_junit(path: Path) -> Iterator[_Report]:
     for case in _cases(path)[1]:
         properties = [(entry.get("name", ""), entry.get("value", "")) for entry in case.iter("property")]
+        with refuse_unreadable(path, _WRITTEN):
+            for key, value in properties:
+                shown = json.loads(value) if key.startswith(f"{PROPERTY}.") else {}
+                if not isinstance(shown, dict) or not isinstance(shown.get(COLUMNS[0]), _MARGIN):
+                    raise ValueError(f"property {key}: {value}")
         if any(key == PROPERTY for key, _ in properties):
             yield _outcome(case), f"{case.get('classname')}.{case.get('name')}", properties
 
@@ -152,8 +155,11 @@ def _outcome(case: ET.Element) -> str:
 
 @dataclass(frozen=True)
 class Validation:
-    """Results of railhil's own tests: the files, the versions and codes that they tested, how many tests ended how, and
-    the names of those that failed. ``doctor``: what ``railhil doctor`` said of the machine; empty: nothing."""
+    """Results of railhil's own tests.
+
+    ``versions``, ``codes``: that they tested, and a word if a report names none. ``outcomes``: number of tests by
+    outcome. ``doctor``: what ``railhil doctor`` said of the machine; empty: nothing.
+    """
 
     files: tuple[str, ...] = ()
     versions: tuple[str, ...] = ()
@@ -162,7 +168,7 @@ class Validation:
     hosts: tuple[str, ...] = ()
     outcomes: Mapping[str, int] = field(default_factory=dict)
     failed: tuple[str, ...] = ()
-    doctor: Mapping[str, Any] = field(default_factory=dict)
+    doctor: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_validation(folder: Path) -> Validation:
@@ -187,7 +193,12 @@ def read_validation(folder: Path) -> Validation:
         for suite in root.iter("testsuite"):
             for key in ("timestamp", "hostname"):
                 said[key] |= {suite.get(key, ""): None}
-    doctor = folder / DOCTOR
+    told: dict[str, str] = {}
+    if (path := folder / DOCTOR).is_file():
+        document = given_json(path, "what railhil doctor --json has printed")
+        findings = [one for one in document.get("findings") or () if isinstance(one, dict)]
+        told = {name: text for name, text in document.items() if isinstance(text, str)}
+        told |= {str(one.get("subject")): str(one.get("found")) for one in findings}
     return Validation(
         files=tuple(str(path.relative_to(folder)) for path in files),
         versions=tuple(said[VERSION]),
@@ -196,5 +207,5 @@ def read_validation(folder: Path) -> Validation:
         hosts=tuple(filter(None, said["hostname"])),
         outcomes=dict(sorted(outcomes.items())),
         failed=tuple(failed),
-        doctor=given_json(doctor, "what railhil doctor --json has printed") if doctor.is_file() else {},
+        doctor=told,
     )

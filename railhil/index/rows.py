@@ -201,6 +201,12 @@ def _of_learn(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     return told | ({"law": summary["law"], "line": said} if summary else {}), {}
 
 
+def _of_dossier(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
+    document = given_json(folder / found.document, "what railhil dossier has written")
+    _check(folder, found.document, document, "")
+    return {"version": document["written"]["railhil"], "line": document["headline"]}, {}
+
+
 def _of_compare(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     document = read_comparison(folder)
     _check(folder, found.document, document, "")
@@ -249,6 +255,7 @@ def _worst(verdicts: Iterable[str]) -> str | None:
 _STUDIES: Mapping[str, Callable[[Path, Found], tuple[dict[str, Any], Rows]]] = {
     "campaign": _of_campaign,
     "compare": _of_compare,
+    "dossier": _of_dossier,
     "faults": _of_faults,
     "hunt": _of_hunt,
     "learn": _of_learn,

@@ -354,6 +354,8 @@ def test_bad_folders_are_refused_in_a_line(here: Railhil, copied: Copied, tmp_pa
     (tmp_path / "empty" / "junit.xml").write_text("<testsuites>")
     shutil.copytree(run, tmp_path / "empty" / "run")
     assert "cannot be read, expected a JUnit report" in complaint(here("dossier", tmp_path / "empty"))
+    (tmp_path / "empty" / "junit.xml").write_text('<testcase><property name="requirement.A" value="[]"/></testcase>')
+    assert "cannot be read, expected a JUnit report" in complaint(here("dossier", tmp_path / "empty"))
     said = complaint(here("dossier", run, "--validation", run / "none"))
     assert "does not exist, expected the folder of what" in said
 

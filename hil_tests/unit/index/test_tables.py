@@ -132,6 +132,7 @@ def test_studies_say_their_result_in_a_line(runs: Path) -> None:
             _REACTION | {"entry": "S1", "margin_ms": 12.5},
             _REACTION | {"entry": "S2", "verdict": "FAIL", "failures": ["late"]}]},
         "hunt": {"hunt": {"scenario": "s", "law": "ipfc"}},
+        "dossier": {"written": {"railhil": "1.0"}, "headline": "1 requirement: 1 shown."},
     }.items():  # fmt: skip
         (runs / name).mkdir()
         (runs / name / f"{name}.json").write_text(json.dumps(document))
@@ -144,6 +145,7 @@ def test_studies_say_their_result_in_a_line(runs: Path) -> None:
     assert (found["compare"]["verdict"], found["compare"]["line"]) == ("FAIL", "ipfc PASS, pid FAIL")
     assert (found["sequence"]["verdict"], found["sequence"]["line"]) == ("PASS", "1 of 4 runs")
     assert (found["faults"]["verdict"], found["faults"]["line"]) == ("FAIL", "2 entries, not as they must be: S2")
+    assert (found["dossier"]["version"], found["dossier"]["line"]) == ("1.0", "1 requirement: 1 shown.")
     assert found["hunt"]["line"] == "9 runs, violated: A-1"
     assert found["hunt"]["requirement"] == {"A-1": "violated", "A-2": "kept"}
     assert open_index(runs).tables["reactions"]["margin_ms"].to_pylist() == [12.5, None]
