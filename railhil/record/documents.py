@@ -135,7 +135,7 @@ class _FaultRow(_Part):
 
 class _FaultPair(_Part):
     number: int
-    faults: list[str]
+    faults: list[str] = Field(min_length=2, max_length=2)
     verdict: str
     failures: list[str]
 

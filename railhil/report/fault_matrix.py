@@ -135,6 +135,9 @@ def read_table(folder: Path, name: str, out: Path) -> Table:
     if document is None:
         raise InputError(folder / FAULT_TABLE, "", Words("does not exist"), "what railhil faults --out has written")
     check_hash_list(folder, FAULT_TABLE, document)
+    for key in ("system", "scenario", "controller", "railhil", "code_sha256"):
+        if not isinstance(document.get(key), str):
+            raise InputError(folder / FAULT_TABLE, key, document.get(key, Words()), "a text")
     try:
         rows = [Row.from_json(row) for row in document["rows"]]
     except (LookupError, ValueError):

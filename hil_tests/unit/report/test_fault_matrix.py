@@ -138,6 +138,18 @@ def test_a_table_without_the_demands_of_its_entries_is_refused_in_a_line(tmp_pat
         page(folder)
 
 
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"system": None}, "system: found None, allowed a text"),
+        ({"pairs": [{"number": 1, "faults": ["one"], "verdict": "PASS", "failures": []}]}, "pairs"),
+    ],
+)
+def test_a_damaged_table_is_refused_in_a_line(tmp_path: Path, changed: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        page(table(tmp_path, KEPT, **changed))
+
+
 @pytest.mark.slow
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("width_px", [400, 1200, 2560])
