@@ -5,7 +5,7 @@ from __future__ import annotations
 from railhil.faults.language import parse, with_condition
 from railhil.judge.reactions.catalogue import faults_by_hand
 from railhil.panel.operator import list_fault_kinds
-from railhil.record.operator_commands import prepared_for
+from railhil.record.prepared_faults import prepared_for
 from railhil.scenarios.load import load_any
 
 
