@@ -131,6 +131,7 @@ def test_a_run_in_real_time_is_judged_while_it_is_made(chromium: Any, given: Pat
         said(page, "#requirements tr:nth-child(1)", "kept so far")
         said(page, "#requirements tr:nth-child(1)", "violated")
         assert said(page, "#phase", "running")
+        page.click("[data-end=leave]", timeout=WAIT_MS)
         process.wait(100)
     page.close()
     (outcome,) = json.loads((given / "live" / "score.json").read_text(encoding="utf-8"))["requirements"]
