@@ -137,7 +137,7 @@
     }
     const faults = text(value("faults", row));
     const said = value("problem", row) || [text(value("line", row)), faults && `faults: ${faults}`].filter(Boolean).join("; ");
-    one.append(make("td", {className: value("problem", row) ? "line problem" : "line", textContent: said}));
+    one.append(make("td", {className: value("problem", row) ? "line problem" : "line", textContent: said, title: said}));
     return one;
   }
 
@@ -274,13 +274,14 @@
     const laws = [...new Set(points.map(one => text(value("law", one.row))))];
     const named = quantity?.unit ? `${quantity.title} (${quantity.unit})` : quantity?.title ?? "";
     by("said").textContent = points.length ? `${named} of ${points.length} runs of ${versions.length} versions.` : "None of these folders has such a value.";
-    by("versions").tHead.replaceChildren(make("tr", {}, ...["number", "version", "law", "first run (UTC)", "runs", "median", "least", "most"].map(textContent => make("th", {scope: "col", textContent}))));
-    const cells = [];
+    by("versions").tHead.replaceChildren(make("tr", {}, ...["version", "law", "runs", "median", "least", "most", "first run (UTC)"].map(textContent => make("th", {scope: "col", textContent}))));
+    const cells = [], span = points.length ? points[points.length - 1].made - points[0].made : 0;
+    const unit = span > 172800 ? [86400, "days"] : span > 7200 ? [3600, "h"] : [60, "min"];
     const tables = laws.slice(0, 7).map(law => {
       const own = points.filter(one => text(value("law", one.row)) === law), x = [], y = [];
       if (by("over").value === "made") {
         for (const one of own) {
-          const at = (one.made - points[0].made) / 86400;
+          const at = (one.made - points[0].made) / unit[0];
           // Runs of one second stand beside each other.
           x.push(x.length && at <= x[x.length - 1] ? x[x.length - 1] + 1e-6 : at); y.push(one.y);
         }
@@ -294,14 +295,18 @@
       const own = points.filter(one => text(value("version", one.row)) === version && text(value("law", one.row)) === law);
       if (!own.length) return;
       const values = own.map(one => one.y), numbers = [median(values), Math.min(...values), Math.max(...values)];
-      cells.push(make("tr", {}, ...[place + 1, version || "none", law, day(own[0].made), own.length, ...numbers.map(one => Number(one.toPrecision(5)))].map(textContent => make("td", {textContent}))));
+      cells.push(make("tr", {}, ...[version || "none", law, own.length, ...numbers.map(one => Number(one.toPrecision(5))), day(own[0].made)].map(textContent => make("td", {textContent}))));
     }));
     by("versions").tBodies[0].replaceChildren(...cells);
     if (!tables.some(([x]) => x.length > 1)) return;
     by("trend").hidden = false;
-    const x = by("over").value === "made" ? {label: `after ${day(points[0].made)} UTC`, unit: "days"} : {label: "number of the version"};
+    const x = by("over").value === "made" ? {label: `after ${day(points[0].made)} UTC`, unit: unit[1]} : {label: "version", range: [.75, versions.length + .25]};
     const series = laws.slice(0, 7).map((label, place) => ({label, unit: quantity.unit, colour: place, dash: [undefined, [6, 3], [2, 2], [8, 2, 2, 2]][place % 4]}));
     trended = railhilCharts.chart(by("trend"), {title: by("over").value === "made" ? quantity.title : `${quantity.title}, median of each version`, unit: quantity.unit, x, series, height: 260}, railhilCharts.join(tables));
+    if (by("over").value !== "made") {
+      trended.plot.axes[0].values = (plot, splits) => splits.map(at => versions[at - 1] ?? "");
+      trended.plot.redraw(false, true);
+    }
     if (laws.length > 7) by("trend").append(make("p", {className: "small", textContent: `Curves of 7 of ${laws.length} laws; the table has all.`}));
   }
   for (const id of ["quantity", "over"]) by(id).addEventListener("change", () => trend());
