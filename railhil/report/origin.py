@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from urllib.parse import quote
 
 from railhil.judge.record import Record
 from railhil.record.documents import CERTIFICATE
 from railhil.record.hash_list import HASH_LIST, REPORT, listed_files
+from railhil.report.templates import address_of
 
 #: A file of a run folder: its name, and its address relative to the page.
 Link = tuple[str, str]
@@ -28,20 +27,9 @@ def recorded_sentence(runs: Sequence[Record]) -> str:
     return f"Recorded {said.strip()}." if said else ""
 
 
-def address(path: Path, out: Path) -> str:
-    """Address of a file or folder relative to a page."""
-    return quote(Path(os.path.relpath(path, out.parent)).as_posix())
-
-
-def report_address(folder: Path, out: Path) -> str:
-    """Address of a run: its own report, else its folder."""
-    target = folder / REPORT
-    return address(target if target.is_file() else folder, out)
-
-
 def folder_files(run: Record, out: Path) -> list[Link]:
     """The files of a run folder without its report; of a log elsewhere the log alone."""
     if not (run.folder / CERTIFICATE).is_file():
-        return [(run.log.name, address(run.log, out))] if run.log.is_file() else []
+        return [(run.log.name, address_of(run.log, out))] if run.log.is_file() else []
     names = [name for name in listed_files(run.folder) if "/" not in name and name != REPORT]
-    return [(name, address(run.folder / name, out)) for name in (*names, HASH_LIST)]
+    return [(name, address_of(run.folder / name, out)) for name in (*names, HASH_LIST)]

@@ -13,16 +13,15 @@ from railhil.charts.figure import Figure
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.judge.stops import worst_stop
-from railhil.record.hash_list import listed_file
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
-from railhil.report.origin import Link, folder_files, recorded_sentence, report_address
+from railhil.report.origin import Link, folder_files, recorded_sentence
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
 from railhil.report.tables import better_sentence, event_rows, has_unusual, rows
-from railhil.report.templates import script, styles_text, template
+from railhil.report.templates import address_of, render_page, write_html
 from railhil.scenarios.model import watch_sentence
 
 #: Number of runs above which the page shows distributions, and figures and charts of the worst runs only.
@@ -62,7 +61,9 @@ def page(
     opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
     known = judging.deviations if scenario.published else None
     source, deviating = known() if known else ("", ())
-    return template(TEMPLATE).render(
+    return render_page(
+        TEMPLATE,
+        title=scenario.title,
         scenario=scenario,
         runs=runs,
         without_paths=without_paths,
@@ -93,8 +94,6 @@ def page(
         run_names=json.dumps([run.label for run in shown]),
         over=_over(columns),
         spread_picture=picture(spreads, looks) if many else None,
-        chart_scripts=script(),
-        chart_styles=styles_text(),
         source=source,
         deviations=deviating,
     )
@@ -118,9 +117,7 @@ def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = ()) -
     :raises InputError: it is a file of a signed folder.
     :raises OSError: it cannot be written.
     """
-    links = [report_address(run.folder, out) for run in runs]
+    links = [address_of(run.folder, out) for run in runs]
     labels = distinct_labels(runs)
     files = [(label, folder_files(run, out)) for label, run in zip(labels, runs, strict=True)]
-    text = page(runs, notes, links, files if len(runs) <= RUNS_MAX else ())
-    with listed_file(out) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_html(page(runs, notes, links, files if len(runs) <= RUNS_MAX else ()), out)

@@ -63,7 +63,7 @@ def read(text: str) -> Reader:
 
 def figures(text: str) -> dict[str, str]:
     """The charts of each figure of a page."""
-    one = r'<figure id="([^"]*)">.*?<div class="wide">(.*?)</div>\n(?:<figcaption|</figure)'
+    one = r'<figure id="([^"]*)">.*?<div class="wide"[^>]*>(.*?)</div>\n(?:<figcaption|</figure)'
     return dict(re.findall(one, text, re.DOTALL))
 
 
