@@ -15,12 +15,14 @@ from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import Record, checked_record
 from railhil.record.documents import COMPARISON, FAULT_TABLE, read_comparison
 from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.report.noise import Noise
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
 
 #: Studies with a page of their own: the file by which the folder of one is known, and the module that writes the page.
+_CAMPAIGN = "campaign.json"
 _STUDIES = {
-    "campaign.json": "railhil.campaign.report",
+    _CAMPAIGN: "railhil.campaign.report",
     "hunt.json": "railhil.hunt.study",
     "learn.json": "railhil.sequences.report",
     "sequence.json": "railhil.sequences.recorded",
@@ -44,7 +46,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         metavar="DIR",
         help="run folder, or the folder of a comparison, of fault tables, a study or a sequence",
     )
-    add_options(parser, "--scenario", "--no-return")
+    add_options(parser, "--scenario", "--no-return", "--campaign")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
     parser.set_defaults(work=work)
 
@@ -74,7 +76,11 @@ def work(namespace: argparse.Namespace) -> int:
     notes += [note for record in records for note in record.notes]
     notes += _no_return(records) if namespace.no_return else []
     check_one_scenario(records)
-    return _write(given, namespace, lambda out: write_report(records, out, list(dict.fromkeys(notes))))
+
+    def write(out: Path) -> None:
+        write_report(records, out, list(dict.fromkeys(notes)), _noise(records, namespace.campaign, out))
+
+    return _write(given, namespace, write)
 
 
 def _write(given: Sequence[Path], namespace: argparse.Namespace, write: Callable[[Path], None]) -> int:
@@ -89,6 +95,29 @@ def _write(given: Sequence[Path], namespace: argparse.Namespace, write: Callable
         write(out)
     Output().say(str(out))
     return 0
+
+
+def _noise(records: Sequence[Record], named: Path | None, out: Path) -> list[Noise]:
+    """Other runs of the laws, in the campaign that is named, else in one beside the folder of a run or of a comparison.
+
+    :raises InputError: the campaign that is named has none of these laws, or the library that reads it is missing.
+    """
+    places = dict.fromkeys(place for record in records for place in (record.folder.parent, record.folder.parent.parent))
+    folders = [path.parent for place in places for path in sorted(place.glob(f"*/{_CAMPAIGN}"))]
+    folders = folders if named is None else [named]
+    if not folders:
+        return []
+    try:
+        from railhil.campaign.noise import find_noise
+    except ImportError as error:
+        if named is None:
+            return []
+        raise missing_library("--campaign", error, "campaign") from None
+    found = find_noise(records, folders, out)
+    if named is not None and not found:
+        allowed = f"a finished campaign of {records[0].scenario.name} with law and set-points of the run"
+        raise InputError("command line", "--campaign", named, allowed)
+    return found
 
 
 def _no_return(records: Sequence[Record]) -> list[str]:

@@ -16,6 +16,7 @@ from railhil.judge.stops import worst_stop
 from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
+from railhil.report.noise import Noise, noise_figures
 from railhil.report.origin import Link, folder_files, recorded_sentence
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals
 from railhil.report.recorded import distinct_labels
@@ -35,6 +36,7 @@ def page(
     notes: Sequence[str] = (),
     links: Sequence[str] = (),
     files: Sequence[tuple[str, Sequence[Link]]] = (),
+    noise: Sequence[Noise] = (),
 ) -> str:
     """The report of one run or of several of one scenario, as one HTML document without external references.
 
@@ -43,6 +45,7 @@ def page(
     :param notes: sentences on the comparison as a whole.
     :param links: of the runs, shown for the worst ones of more than :data:`RUNS_MAX`.
     :param files: of the runs that are drawn, by label.
+    :param noise: other runs of the laws, which a campaign has.
     """
     runs = [run.copy_with(label=label) for run, label in zip(runs, distinct_labels(runs), strict=True)]
     scenario, judging = runs[0].scenario, runs[0].judging
@@ -57,6 +60,8 @@ def page(
         if run.can_be_drawn
     ]
     own = [*system_pictures(scenario, shown), *lateness_figures(shown)]
+    noise = () if many else noise
+    own += noise_figures(runs, noise)
     pictures = [*own[:1], *reactions(columns), *own[1:]]
     opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
     known = judging.deviations if scenario.published else None
@@ -69,6 +74,7 @@ def page(
         without_paths=without_paths,
         watch=watch_sentence(scenario),
         recorded=recorded_sentence(runs),
+        noise=noise,
         files=files,
         notes=notes,
         columns=criteria,
@@ -111,7 +117,7 @@ def _over(runs: Sequence[RunColumns]) -> ShownColumn | None:
     return runs[0].shown.named(name) if steady else None
 
 
-def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = ()) -> None:
+def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = (), noise: Sequence[Noise] = ()) -> None:
     """Write the report with links to the folders of the runs completely or not at all.
 
     :raises InputError: it is a file of a signed folder.
@@ -120,4 +126,4 @@ def write_report(runs: Sequence[Record], out: Path, notes: Sequence[str] = ()) -
     links = [address_of(run.folder, out) for run in runs]
     labels = distinct_labels(runs)
     files = [(label, folder_files(run, out)) for label, run in zip(labels, runs, strict=True)]
-    write_html(page(runs, notes, links, files if len(runs) <= RUNS_MAX else ()), out)
+    write_html(page(runs, notes, links, files if len(runs) <= RUNS_MAX else (), noise), out)

@@ -115,6 +115,10 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "help": "sentences that judge the run: a TOML file, a list in ReqIF or of StrictDoc, or the name of a system "
         "that ships one; may be given again",
     },
+    "--campaign": {
+        "metavar": "DIR", "type": Path, "help": "a finished campaign, among whose runs of the law the scores stand",
+        "usual": "one beside the run, of its scenario and law",
+    },
     "--no-return": {
         "action": "store_true", "help": "the last instant at which ending all faults still saves a run that fails",
     },

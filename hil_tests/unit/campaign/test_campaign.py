@@ -9,6 +9,7 @@ import shutil
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
@@ -54,6 +55,27 @@ def test_results_are_those_of_the_bench(finished, short):
         ).score
         assert {name: row[name] for name in score.values} == score.values
         assert (row["verdict"], tuple(row["failures"])) == (score.verdict, score.failures)
+
+
+@pytest.mark.slow
+def test_a_report_shows_a_run_among_those_of_a_campaign_of_its_law(finished, short, tmp_path):
+    """One beside it is found; a named one must have its law."""
+    for law in ("ipfc", "tpfc2"):
+        run = finished.parent / law
+        assert railhil("run", short, "--controller", law, "--bus", "local", "--no-report", "--out", run).exit_code < 2
+        assert railhil("report", run).exit_code == 0
+    text = (finished.parent / "ipfc/report.html").read_text(encoding="utf-8")
+    assert "24 perturbed runs of ipfc in float64, seeds 50 to 73" in text
+    assert re.findall(r'<a href="([^"]*)">campaign</a>', text) == ["../finished"]
+    figure = text[text.index('<figure id="noise-0">') :].partition("</figure>")[0]
+    values = np.sort(np.abs(pq.read_table(finished / "results.parquet")["energy_kj"].to_numpy()))
+    chart = next(part for part in figure.split('<div class="chart"') if "energy" in part)
+    low, high = map(float, re.search(r'<path class="block"[^>]* d="M(\S+) \S+?V\S+?H(\S+?)V', chart).groups())
+    assert (low, high) == (pytest.approx(values[1]), pytest.approx(values[22]))
+    assert "noise-0" not in (finished.parent / "tpfc2/report.html").read_text(encoding="utf-8")
+    refused = railhil("report", finished.parent / "tpfc2", "--campaign", finished)
+    assert refused.exit_code == 2
+    assert "a finished campaign of" in refused.one_line()
 
 
 def test_manifest_and_summary(finished, short):
