@@ -104,7 +104,7 @@ class Band:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A marker at one place. ``text``: shown under the pointer; empty: the label."""
+    """A marker at one place. ``label``: in the legend, if any. ``text``: shown under the pointer; empty: the label."""
 
     label: str
     x: float

@@ -60,7 +60,7 @@ def _chart(figure: Figure, chart: Chart, left_px: int, stretches: int) -> str:
     every = looks(chart.curves)
     keys = [_key(curve, look) for curve, look in zip(chart.curves, every, strict=True)]
     keys += _area_keys(chart)
-    shown = list(dict.fromkeys(point.label for point in chart.points))
+    shown = list(dict.fromkeys(point.label for point in chart.points if point.label))
     for label in shown:
         point = next(one for one in chart.points if one.label == label)
         if label not in {curve.label for curve in chart.curves}:

@@ -18,7 +18,7 @@ def recorded_sentence(runs: Sequence[Record]) -> str:
     """When, where, by whom and with which version the runs were recorded, as far as their certificates say it."""
     known = [one for run in runs if (one := run.certificate.get("recorded"))]
     instants = sorted(one["utc"][:16].replace("T", " ") for one in known)
-    said = " to ".join(dict.fromkeys(instants[:1] + instants[-1:])) + " UTC" if instants else ""
+    said = " to ".join(f"{one} UTC" for one in dict.fromkeys(instants[:1] + instants[-1:]))
     for word, key in (("on", "host"), ("by", "operator")):
         names = dict.fromkeys(one[key] for one in known if one[key])
         said += f" {word} {', '.join(names)}" if names else ""

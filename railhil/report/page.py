@@ -60,9 +60,8 @@ def page(
         if run.can_be_drawn
     ]
     own = [*system_pictures(scenario, shown), *lateness_figures(shown)]
-    noise = () if many else noise
-    own += noise_figures(runs, noise)
-    pictures = [*own[:1], *reactions(columns), *own[1:]]
+    among = [] if many or not noise else noise_figures(runs, noise)
+    pictures = [*own[:1], *reactions(columns), *own[1:], *among]
     opened, further = signals(columns, [one for one in pictures if isinstance(one, Figure)])
     known = judging.deviations if scenario.published else None
     source, deviating = known() if known else ("", ())
@@ -74,7 +73,7 @@ def page(
         without_paths=without_paths,
         watch=watch_sentence(scenario),
         recorded=recorded_sentence(runs),
-        noise=noise,
+        noise=noise if among else (),
         files=files,
         notes=notes,
         columns=criteria,

@@ -376,7 +376,9 @@ def test_the_page_says_when_where_and_by_whom_and_links_the_files(run: Record, o
     ]  # fmt: skip
     write_report(runs, tmp_path / "sub folder.html")
     text = (tmp_path / "sub folder.html").read_text(encoding="utf-8")
-    said = "Recorded 2026-11-28 22:10 to 2026-11-29 01:02 UTC on bench <3>, vm by A. Operator with railhil " + version
+    said = (
+        "Recorded 2026-11-28 22:10 UTC to 2026-11-29 01:02 UTC on bench <3>, vm by A. Operator with railhil " + version
+    )
     assert said in words(text)
     links = [unquote(one) for one in read(text).references if not one.startswith("#")]
     assert {(tmp_path / one).resolve() for one in links} >= {
