@@ -240,8 +240,9 @@ def _curves(
     for run, column in shown:
         if column.name == run.shown.target:
             # A target that several runs followed is one line.
-            if not any(np.array_equal(one.y, run.values[column.name], equal_nan=True) for one in targets):
-                targets.append(run.curve(column, column.label, Look("target", 2.5)))
+            target = run.curve(column, column.label, Look("target", 2.5))
+            if not any(_is_part(target, one) for one in targets):
+                targets = [*(one for one in targets if not _is_part(one, target)), target]
             continue
         label = f"{run.label}: {column.label}" if is_named and len(group.columns) > 1 else column.label
         label = run.label if is_named and len(group.columns) == 1 else label
@@ -251,6 +252,11 @@ def _curves(
     y_bounds: Bounds = (min(names) - 0.5, max(names) + 0.5) if names else FREE
     height_px = _SPEED_PX if group.title == "speed" else max(_HEIGHT_PX, _NAME_PX * len(names))
     return Chart([*targets, *curves], TIME, group.unit, bounds, y_bounds, y_names=names, sync=TIME, height_px=height_px)
+
+
+def _is_part(curve: Curve, whole: Curve) -> bool:
+    """Whether a curve is the beginning of another one, or all of it: runs of one target end at other instants."""
+    return np.array_equal(curve.y, whole.y[: len(curve.y)], equal_nan=True)
 
 
 def _names(column: ShownColumn, curves: Sequence[Curve]) -> dict[float, str]:

@@ -376,10 +376,8 @@ def test_the_page_says_when_where_and_by_whom_and_links_the_files(run: Record, o
     ]  # fmt: skip
     write_report(runs, tmp_path / "sub folder.html")
     text = (tmp_path / "sub folder.html").read_text(encoding="utf-8")
-    said = (
-        "Recorded 2026-11-28 22:10 UTC to 2026-11-29 01:02 UTC on bench <3>, vm by A. Operator with railhil " + version
-    )
-    assert said in words(text)
+    said = "Recorded 2026-11-28 22:10 UTC to 2026-11-29 01:02 UTC on bench <3>, vm by A. Operator with railhil "
+    assert said + version in words(text)
     links = [unquote(one) for one in read(text).references if not one.startswith("#")]
     assert {(tmp_path / one).resolve() for one in links} >= {
         (one.folder / name).resolve() for one in runs for name in ("certificate.json", "frames.log", "SHA256SUMS")
