@@ -13,8 +13,7 @@ from railhil.dossier.evidence import Evidence
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED
 from railhil.record.hash_list import REPORT
-from railhil.report.origin import report_address
-from railhil.report.templates import render_page
+from railhil.report.templates import address_of, render_page
 from railhil.testing.requirements import PASSED
 
 #: Rows of runs on the page of a requirement; ``dossier.json`` has all.
@@ -45,7 +44,7 @@ def page(dossier: Dossier, out: Path) -> str:
         badge=lambda verdict: _BADGES.get(verdict, "INVALID"),
         named=named,
         rows=_rows,
-        link=lambda one: report_address(one.folder, out / REPORT),
+        link=lambda one: address_of(one.folder, out / REPORT),
         assumptions=_assumptions(dossier.evidence),
         published={one.published[0]: one.published[1] for one in dossier.evidence if one.published},
     )
