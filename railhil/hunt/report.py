@@ -20,7 +20,7 @@ from railhil.judge.requirements.outcome import Outcome, Part, judge_one
 from railhil.judge.requirements.requirement import Requirement
 from railhil.record.documents import CERTIFICATE
 from railhil.record.trace import Trace
-from railhil.report.templates import render_page, write_html
+from railhil.report.templates import render_page
 
 #: Cases with figures; further ones have their table row and command alone.
 _DRAWN_MAX = 12
@@ -103,11 +103,3 @@ def _judged(requirement: Requirement | None, sides: Sequence[Side]) -> tuple[Dra
     record = sides[0].record
     names = Names(record.scenario, Trace(record.trace.contract), record.certificate.get("notes"))
     return DrawnSentence(requirement, names), judge_one(requirement, requirement.bind(names), sides[0].grid)
-
-
-def write_page(plan: Plan, summary: Mapping[str, Any], folder: Path, out: Path) -> None:
-    """Write the report completely or not at all.
-
-    :raises OSError: it cannot be written.
-    """
-    write_html(page(plan, summary, folder), out)

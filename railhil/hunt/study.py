@@ -244,9 +244,10 @@ def exit_code(plan: Plan, made: Outcome) -> int:
 
 
 def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.hunt.report import write_page
+    from railhil.hunt.report import page
+    from railhil.report.templates import write_html
 
-    write_page(plan, made.summary, made.folder, path)
+    write_html(page(plan, made.summary, made.folder), path)
 
 
 def _explained(plan: Plan) -> Mapping[str, Any]:
@@ -280,7 +281,8 @@ def report_of(folder: Path, out: Path) -> None:
     :raises InputError: the hunt is not finished, damaged, changed, or of a scenario that has changed since.
     :raises OSError: it cannot be written.
     """
-    from railhil.hunt.report import write_page
+    from railhil.hunt.report import page
+    from railhil.report.templates import write_html
 
     begun = read_manifest(folder, HUNT)
     text, code = begun.request.controller, {}
@@ -295,4 +297,4 @@ def report_of(folder: Path, out: Path) -> None:
             folder, FOUND, Words("unfinished"), "the least cases of a finished hunt (--resume finishes it)"
         )
     further = {"found": found, "tight": read_tight(folder)}
-    write_page(plan, {**finished_summary(HUNT, folder), **further}, folder, out)
+    write_html(page(plan, {**finished_summary(HUNT, folder), **further}, folder), out)

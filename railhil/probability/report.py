@@ -13,7 +13,6 @@ from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
 from railhil.report.study_page import study_page
-from railhil.report.templates import write_html
 
 _HEIGHT_PX, _BAR_PX = 200, 22
 #: Causes with a smaller share have no bar.
@@ -82,11 +81,3 @@ def _causes(summary: Mapping[str, Any]) -> Figure | None:
                   bars, y_names=names, height_px=_BAR_PX * len(bars))  # fmt: skip
     caption = "Shares in the variance of the margin over all runs. What they leave is the interplay of draws."
     return Figure("causes", "Causes", caption, [chart])
-
-
-def write_page(plan: Plan, summary: Mapping[str, Any], out: Path) -> None:
-    """Write the report completely or not at all.
-
-    :raises OSError: it cannot be written.
-    """
-    write_html(page(plan, summary), out)

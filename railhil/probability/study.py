@@ -261,9 +261,10 @@ def exit_code(plan: Plan, made: Outcome) -> int:
 
 
 def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.probability.report import write_page
+    from railhil.probability.report import page
+    from railhil.report.templates import write_html
 
-    write_page(plan, made.summary, path)
+    write_html(page(plan, made.summary), path)
 
 
 PROBABILITY: Study[Plan, Chunk] = Study(
@@ -293,11 +294,12 @@ def report_of(folder: Path, out: Path) -> None:
     :raises InputError: it is not finished, damaged, changed, or of a scenario that has changed since.
     :raises OSError: it cannot be written.
     """
-    from railhil.probability.report import write_page
+    from railhil.probability.report import page
+    from railhil.report.templates import write_html
 
     summary = finished_summary(PROBABILITY, folder)
     if "least" not in summary:
         allowed = "the summary of a finished probability (--resume finishes it)"
         raise InputError(folder / SUMMARY, "least", Words("missing"), allowed)
     plan, _ = repeated_plan(PROBABILITY, folder, at_most=summary.get("at_most"))
-    write_page(plan, summary, out)
+    write_html(page(plan, summary), out)

@@ -112,11 +112,6 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
     return made.copy_with(score=run.score, events=())
 
 
-def write_page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, path: Path) -> None:
-    """Write the report. Raises OSError."""
-    write_html(page(plan, summary, table), path)
-
-
 def report_of(folder: Path, out: Path) -> None:
     """Write the report of a finished study from its folder.
 
@@ -126,4 +121,4 @@ def report_of(folder: Path, out: Path) -> None:
     from railhil.sequences.study import LEARN
 
     plan, _ = repeated_plan(LEARN, folder)
-    write_page(plan, finished_summary(LEARN, folder), finished_rows(LEARN, plan, folder), out)
+    write_html(page(plan, finished_summary(LEARN, folder), finished_rows(LEARN, plan, folder)), out)

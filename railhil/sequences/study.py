@@ -57,9 +57,10 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
 
 
 def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.sequences.report import write_page
+    from railhil.report.templates import write_html
+    from railhil.sequences.report import page
 
-    write_page(plan, made.summary, made.table, path)
+    write_html(page(plan, made.summary, made.table), path)
 
 
 LEARN: Study[Plan, Chunk] = Study(
