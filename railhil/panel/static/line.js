@@ -26,9 +26,11 @@ export class Line {
       });
       this.charts.push({ handle, has: series.length, profiles: own.map(({ rows }) => [rows.map(([x]) => x), rows.map(([, y]) => y)]) });
     };
-    const series = runs.flatMap((run, which) => strip.map((column, number) => {
+    // The first column lies above the others.
+    this.strip = [...strip].reverse();
+    const series = runs.flatMap((run, which) => this.strip.map((column) => {
       const label = many ? `${run.name}: ${columns[column].label}` : columns[column].label;
-      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : number % 7, end: label, dash: DASHES[which % DASHES.length] };
+      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : strip.indexOf(column) % 7, end: label, dash: DASHES[which % DASHES.length] };
     }));
     add("line", unit, series, profiles.filter((one) => one.unit === unit), named(["stop", "mark"]));
     const others = profiles.filter((one) => one.unit !== unit);
@@ -43,7 +45,7 @@ export class Line {
   draw() {
     this.dirty = false;
     const { handle, profiles } = this.charts[0], [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
-    const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.layout.strip, low, high));
+    const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.strip, low, high));
     handle.setData(joined([...profiles, ...tables]));
   }
 
