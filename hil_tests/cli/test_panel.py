@@ -196,6 +196,17 @@ def test_the_events_name_what_was_ordered_and_what_it_did(run):
         assert f"operator\t{words}" in run["events"]
 
 
+def everybody_can_read_the_end(page: Any) -> None:
+    """It fits a telephone, and has no findings of axe in both schemes."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="MISSING CAPABILITY axe").Axe()
+    for width_px, scheme in ((400, "dark"), (1200, "light")):
+        page.set_viewport_size({"width": width_px, "height": 800})
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_function(f"document.documentElement.scrollWidth <= {width_px}", timeout=WAIT_MS)
+        found = axe.run(page)
+        assert found.violations_count == 0, (scheme, width_px, found.generate_report())
+
+
 @pytest.mark.long
 def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp_path):
     (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
@@ -213,6 +224,7 @@ def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp
             opened.value.close()
             page.click("[data-end=stay]")
             page.wait_for_selector("#end .next span:empty", state="attached", timeout=WAIT_MS)
+            everybody_can_read_the_end(page)
             page.click("[data-end=next]")
         page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
         assert not page.is_visible("#end")
