@@ -24,7 +24,7 @@ _CAMPAIGN = "campaign.json"
 _STUDIES = {
     _CAMPAIGN: "railhil.campaign.report",
     "hunt.json": "railhil.hunt.study",
-    "learn.json": "railhil.sequences.report",
+    "learn.json": "railhil.sequences.study",
     "sequence.json": "railhil.sequences.recorded",
     "probability.json": "railhil.probability.study",
 }

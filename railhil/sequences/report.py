@@ -15,14 +15,12 @@ from railhil.controller_node.laws.memory import memory_key
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record
 from railhil.report.study_page import Table, study_page
-from railhil.report.templates import write_html
 from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, MemoryRecord, no_memory
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import figures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
-from railhil.study.finished import finished_rows, finished_summary, repeated_plan
 from railhil.study.table import row as row_of
 
 
@@ -110,15 +108,3 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
     label = f"run {number}"
     made = Record(Path(), plan.scenario, run.trace, certificate={"controller": label})
     return made.copy_with(score=run.score, events=())
-
-
-def report_of(folder: Path, out: Path) -> None:
-    """Write the report of a finished study from its folder.
-
-    :raises InputError: the study is not finished, damaged, changed, or of a scenario that has changed since.
-    :raises OSError: it cannot be written.
-    """
-    from railhil.sequences.study import LEARN
-
-    plan, _ = repeated_plan(LEARN, folder)
-    write_html(page(plan, finished_summary(LEARN, folder), finished_rows(LEARN, plan, folder)), out)

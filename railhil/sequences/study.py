@@ -18,7 +18,7 @@ from railhil.sequences.show import lines
 from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
 from railhil.study.execute import Outcome
-from railhil.study.finished import Verified, differences
+from railhil.study.finished import Verified, differences, finished_rows, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Study, code_of
 from railhil.study.table import row as row_of
@@ -78,3 +78,13 @@ LEARN: Study[Plan, Chunk] = Study(
     page=_page,
     lines=lines,
 )
+
+
+def report_of(folder: Path, out: Path) -> None:
+    """Write the report of a finished study from its folder.
+
+    :raises InputError: the study is not finished, damaged, changed, or of a scenario that has changed since.
+    :raises OSError: it cannot be written.
+    """
+    plan, _ = repeated_plan(LEARN, folder)
+    _page(plan, Outcome(folder, finished_rows(LEARN, plan, folder), finished_summary(LEARN, folder)), out)
