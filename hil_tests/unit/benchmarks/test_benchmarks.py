@@ -40,6 +40,7 @@ EXPECTED = {
     "predictive_peer": "do-mpc: step, median",
     "training": "BP",
     "memory": "controller: peak proportional set",
+    "index": "50 folders: nothing has changed",
 }
 
 
