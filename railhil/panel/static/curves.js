@@ -116,8 +116,6 @@ export class Curves {
 
   whole() { if (this.charts.length) this.charts[0].handle.zoom(); }
 
-  zoomTo(lowS, highS) { if (this.charts.length) this.charts[0].handle.zoom(this.xOf(lowS), this.xOf(highS)); }
-
   draw() {
     this.redraws += 1;
     for (const { handle, columns, seen } of this.charts) {
