@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 import shlex
 from argparse import SUPPRESS, Action
+from pathlib import Path
 
 import pytest
 
 from hil_tests.support.cli import Railhil, complaint
 from hil_tests.support.command_parsers import COMMANDS
+from hil_tests.support.requirement_lists import reqif_text
 from railhil.cli import commands
 from railhil.cli.programs import PROGRAMS
 from railhil.common.command_line import OneLineParser, accept_former_name
@@ -113,6 +115,9 @@ def test_examples_work(here: Railhil, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
     for place in ("runs/mine", "runs/other"):
         assert here("run", "--controller", "ipfc_plus", "--no-report", "--out", place).exit_code == 0
+    Path("train.reqif").write_text(
+        reqif_text([("ATO-5", "Forwards.", "never true_speed &lt; 0 km/h")]), encoding="utf-8"
+    )
     examples = [example for name in WORK for example in COMMANDS[f"railhil {name}"].examples if "--key" not in example]
     assert len(examples) > len(WORK)
     for example in examples:

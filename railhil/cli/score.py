@@ -35,7 +35,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_options(parser, "log", "--scenario", "--requirements")
     parser.add_argument(
-        "--results", metavar="PATH", help="write a copy of the list in ReqIF or of StrictDoc with the outcomes"
+        "--results", metavar="PATH", help="write a copy of the list in ReqIF with the outcomes"
     )
     add_json_argument(parser)
     parser.set_defaults(work=work)
@@ -75,7 +75,7 @@ def _write_results(record: Record, words: Sequence[str], invalid: str, out: str)
 
     lists = [Path(word) for word in words if is_list(word)]
     if len(lists) != 1:
-        allowed = "--requirements with one list, in ReqIF or of StrictDoc"
+        allowed = "--requirements with one list in ReqIF"
         raise InputError("command line", "--results", Words(count_of(len(lists), "list")), allowed)
     frames = record.frames_sha256 or log_sha256(record.log)
     run = f"{record.title}, verdict {record.verdict}, frames.log sha256 {frames}, railhil {full_version()}"

@@ -112,7 +112,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
     },
     "--requirements": {
         "type": _requirements, "action": "append", "default": [], "metavar": "FILE",
-        "help": "sentences that judge the run: a TOML file, a list in ReqIF or of StrictDoc, or the name of a system "
+        "help": "sentences that judge the run: a TOML file, a list in ReqIF, or the name of a system "
         "that ships one; may be given again",
     },
     "--campaign": {

@@ -20,7 +20,7 @@ OPTIONS: Mapping[str, str] = {
     "only the certificates)",
     "pace": "lockstep (default) or realtime",
     "target": "emulated board on which the laws of the tests run, exported, such as qemu:cortex-m4f",
-    "requirements": "list in ReqIF or of StrictDoc: each marker names one of it, its requirements without a test are "
+    "requirements": "list in ReqIF: each marker names one of it, its requirements without a test are "
     "told, and --railhil-runs gets a copy with the results",
     "no-controller": "the controller is a board or another program on the bus",
 }

@@ -1,5 +1,5 @@
-"""Lists of requirements of other tools, in ReqIF (OMG, 1.2) by the library reqif or in StrictDoc's format by StrictDoc:
-which requirements there are, those that have a sentence of ours, and the results back into a copy of the list.
+"""Lists of requirements of other tools in ReqIF (OMG, 1.2), by the library reqif: which requirements there are, those
+with a sentence of ours, and the results back into a copy of the list.
 """
 
 from __future__ import annotations
@@ -8,12 +8,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, Words
 from railhil.common.extras import need
 from railhil.common.user_files import given_text, refuse_unreadable, whole_file
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 #: Attribute of a requirement with a sentence of :mod:`railhil.judge.requirements`, and those with the results.
 SAYS, VERDICT, EVIDENCE = "RAILHIL_SAYS", "RAILHIL_VERDICT", "RAILHIL_EVIDENCE"
-REQIF, STRICTDOC = ".reqif", ".sdoc"
+SUFFIX = ".reqif"
 EXTRA = "requirements"
 #: Names of attributes in order of preference: those of the ReqIF Implementation Guide, of StrictDoc, of DOORS.
 _IDS = ("ReqIF.ForeignID", "UID", "ID", "Object Identifier")
@@ -51,7 +50,7 @@ class Result:
 
 def is_list(word: str | Path) -> bool:
     """Whether a file of requirements is a list of another tool, by its suffix."""
-    return Path(word).suffix.lower() in (REQIF, STRICTDOC)
+    return Path(word).suffix.lower() == SUFFIX
 
 
 def read_list(path: Path) -> tuple[Listed, ...]:
@@ -84,20 +83,20 @@ def result_of(outcome: Outcome, run: str) -> Result:
     return Result(outcome.verdict, ", ".join(filter(None, (f"{margin} {instant}".strip(), run))))
 
 
-def _opened(path: Path) -> _ReqIf | _StrictDoc:
+def _opened(path: Path) -> _ReqIf:
     """The list in a file, checked; errors as :func:`read_list`."""
-    kind, allowed = (_ReqIf, "a ReqIF file") if path.suffix.lower() == REQIF else (_StrictDoc, "a StrictDoc file")
+    allowed = "a ReqIF file"
     with refuse_unreadable(path, allowed):
         text = given_text(path)
     try:
-        parsed = kind.parsed(text)
+        parsed = _ReqIf.parsed(text)
     except InputError:
         raise
     except Exception as error:
-        # The libraries check files by assertions and look-ups, too.
+        # The library checks files by assertions and look-ups, too.
         said = str(error).splitlines() or [type(error).__name__]
         raise InputError(path, "", Words("cannot be read"), allowed, said[0]) from None
-    document = kind(parsed)
+    document = _ReqIf(parsed)
     if not document.listed:
         raise InputError(path, "", Words("has no requirement"), "at least one with an id and a text")
     times = Counter(one.id for one in document.listed)
@@ -180,68 +179,6 @@ class _ReqIf:
         )
         kind.attribute_definitions = [*(kind.attribute_definitions or ()), definition]
         return f"{kind.identifier}-{key}"
-
-
-class _StrictDoc:
-    """A list in StrictDoc's format, with the grammar of its document."""
-
-    def __init__(self, document: Any) -> None:
-        self._document = document
-        self._nodes: dict[str, Any] = {}
-        iterator = self._need("core.document_iterator").SDocDocumentIterator(document)
-        listed = []
-        for node, _ in iterator.all_content():
-            fields = {} if not hasattr(node, "enumerate_all_fields") else {
-                name: " ".join(text.split()) for _, name, text in node.enumerate_all_fields()
-            }  # fmt: skip
-            if fields.get("UID") and fields.get("STATEMENT"):
-                listed.append(Listed(fields["UID"], fields["STATEMENT"], fields.get("TITLE", ""), fields.get(SAYS, "")))
-                self._nodes[fields["UID"]] = node
-        self.listed = tuple(listed)
-
-    @classmethod
-    def parsed(cls, text: str) -> Any:
-        """The library's form of a text; raises what the library raises."""
-        return cls._need("backend.sdoc.reader").SDReader.read(text)
-
-    @staticmethod
-    def _need(module: str) -> ModuleType:
-        try:
-            return import_module(f"strictdoc.{module}")
-        except ImportError as error:
-            # No extra: it brings 50 packages, and its users have it.
-            told = Sentence(
-                f"a list in StrictDoc's format needs StrictDoc ({error}); install it with pip install strictdoc"
-            )
-            raise InputError("requirements", "", Words("not installed"), told) from None
-
-    def with_results(self, results: Mapping[str, Result]) -> str:
-        """The text of the copy; raises ValueError for a grammar in another file."""
-        if self._document.grammar.import_from_file:
-            raise ValueError("a document with its own grammar, not IMPORT_FROM_FILE")
-        for name, node in self._nodes.items():
-            for key, value in _attributes(results.get(name)).items():
-                if value:
-                    self._declare(node.node_type, key)
-                node.set_field_value(field_name=key, form_field_index=0, value=value or None)
-        config = self._need("core.project_config").ProjectConfig()
-        return str(self._need("backend.sdoc.writer").SDWriter(config).write(self._document))
-
-    def _declare(self, kind: str, key: str) -> None:
-        """Make a field of the grammar, of one line, which are those before the text."""
-        grammar, elements = self._document.grammar, self._need("backend.sdoc.models.grammar_element")
-        old = grammar.elements_by_type[kind]
-        if key in old.fields_map:
-            return
-        field = elements.GrammarElementFieldString(None, key, None, "False")
-        place = old.content_field[1]
-        made = elements.GrammarElement(
-            parent=old.parent, tag=old.tag, fields=[*old.fields[:place], field, *old.fields[place:]],
-            property_is_composite="" if old.property_is_composite is None else str(old.property_is_composite),
-            property_prefix=old.property_prefix or "", property_view_style=old.property_view_style or "",
-            relations=old.relations,
-        )  # fmt: skip
-        grammar.update_element(old, made)
 
 
 def _attributes(result: Result | None) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Lists of requirements in ReqIF and of StrictDoc: what is read, and the results in a copy that other tools read."""
+"""Lists of requirements in ReqIF: what is read, and the results in a copy that other tools read."""
 
 from __future__ import annotations
 
@@ -18,40 +18,6 @@ ROWS = [
     ("ATO-5", "No traction <xhtml:b>without</xhtml:b> a speed.", "never true_speed &lt; 0 km/h"),
     ("ATO-12", "It stops within 0.3 m &amp; stays.", ""),
 ]
-SDOC = """\
-[DOCUMENT]
-TITLE: Train
-
-[GRAMMAR]
-ELEMENTS:
-- TAG: REQUIREMENT
-  FIELDS:
-  - TITLE: UID
-    TYPE: String
-    REQUIRED: True
-  - TITLE: TITLE
-    TYPE: String
-    REQUIRED: False
-  - TITLE: RAILHIL_SAYS
-    TYPE: String
-    REQUIRED: False
-  - TITLE: STATEMENT
-    TYPE: String
-    REQUIRED: True
-
-[REQUIREMENT]
-UID: ATO-5
-TITLE: Speed
-RAILHIL_SAYS: never true_speed < 0 km/h
-STATEMENT: >>>
-No traction
-without a speed.
-<<<
-
-[REQUIREMENT]
-UID: ATO-12
-STATEMENT: It stops within 0.3 m.
-"""
 
 
 @pytest.fixture
@@ -138,39 +104,3 @@ def test_a_wrong_sentence_of_a_list_is_named(tmp_path: Path) -> None:
     path.write_text(reqif_text([("ATO-5", "No.", "nevr fault")]), encoding="utf-8")
     with pytest.raises(InputError, match=r'train\.reqif: requirement ATO-5: "nevr"'):
         read_requirements(path)
-
-
-@pytest.mark.slow
-def test_a_list_of_strictdoc_is_read_and_written(tmp_path: Path) -> None:
-    pytest.importorskip("strictdoc", reason="StrictDoc brings 50 packages: no extra has it")
-    path, first, second = tmp_path / "train.sdoc", tmp_path / "first.sdoc", tmp_path / "second.sdoc"
-    path.write_text(SDOC)
-    assert read_list(path) == (
-        Listed("ATO-5", "No traction without a speed.", "Speed", "never true_speed < 0 km/h"),
-        Listed("ATO-12", "It stops within 0.3 m."),
-    )
-    write_results(path, {"ATO-5": Result("PASSED", "by a test")}, first)
-    assert read_list(first) == read_list(path)
-    # StrictDoc writes its own element TEXT into each grammar.
-    added = [line for line in first.read_text().splitlines() if line not in SDOC.splitlines() and "TEXT" not in line]
-    fields = ["  - TITLE: RAILHIL_VERDICT", "  - TITLE: RAILHIL_EVIDENCE"]
-    assert added == [*fields, "RAILHIL_VERDICT: PASSED", "RAILHIL_EVIDENCE: by a test"]
-    write_results(first, {"ATO-12": Result("FAILED", "x")}, second)
-    assert "PASSED" not in second.read_text()
-    assert "UID: ATO-12\nRAILHIL_VERDICT: FAILED\nRAILHIL_EVIDENCE: x\n" in second.read_text()
-    head, _, nodes = SDOC.partition("[GRAMMAR]")
-    imported = "[GRAMMAR]\nIMPORT_FROM_FILE: train.sgra\n\n[REQUIREMENT]" + nodes.partition("[REQUIREMENT]")[2]
-    path.write_text(head + imported)
-    with pytest.raises(InputError, match=r"train\.sdoc: cannot be written, expected a document with its own grammar"):
-        write_results(path, {"ATO-5": Result("PASSED", "by a test")}, second)
-    path.write_text("[DOCUMENT]\nnothing\n")
-    with pytest.raises(InputError, match=r"train\.sdoc: cannot be read, expected a StrictDoc file"):
-        read_list(path)
-
-
-def test_strictdoc_is_asked_for_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "strictdoc.backend.sdoc.reader", None)
-    path = tmp_path / "train.sdoc"
-    path.write_text(SDOC)
-    with pytest.raises(InputError, match=r"needs StrictDoc .*; install it with pip install strictdoc"):
-        read_list(path)
