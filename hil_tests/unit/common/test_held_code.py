@@ -13,7 +13,7 @@ from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.study import CAMPAIGN
 from railhil.common.errors import InputError
 from railhil.common.held_code import held_sha256, place_of
-from railhil.hunt.plan import _OWN_CODE
+from railhil.hunt.plan import OWN_CODE
 from railhil.judge.folder import code_files
 from railhil.scenarios.system import system_named
 from railhil.study.manifest import check_same
@@ -119,4 +119,4 @@ def test_folders_beside_the_package_are_no_part_of_it() -> None:
 def test_the_hashed_code_is_that_of_the_package_and_has_what_judges_it() -> None:
     names = [name for name, _ in code_files()]
     assert "judge/requirements/outcome.py" in names
-    assert len(batch_sha256(*_OWN_CODE)) == 64
+    assert len(batch_sha256(*OWN_CODE)) == 64
