@@ -8,12 +8,12 @@ from pathlib import Path
 from railhil.campaign.rows import column_of, rows_of, schema
 from railhil.campaign.study import CAMPAIGN
 from railhil.judge.record import Record
+from railhil.record.documents import SUMMARY
 from railhil.record.hash_list import check_hash_list
 from railhil.report.noise import Noise
 from railhil.report.templates import address_of
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_summary
-from railhil.study.parts import SUMMARY
 from railhil.study.table import RESULTS, numbers, read_table
 
 

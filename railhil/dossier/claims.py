@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from railhil.common.digits import count_of
 from railhil.dossier.evidence import Evidence, Judged, Searched, is_same
@@ -14,6 +15,7 @@ from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED
 from railhil.testing.requirements import FAILED, PASSED
 from railhil.testing.requirements import NOT_SHOWN as UNSHOWN
 
+Key, Item = TypeVar("Key"), TypeVar("Item")
 SHOWN, NOT_SHOWN, NONE = "shown", "not shown", "no evidence"
 _OTHER = "judged by another sentence"
 #: Numbers of folders that a sentence names; further ones are counted.
@@ -116,11 +118,9 @@ def _claim(
     has_any = tests or searches or any(run.evidence.problems or run.judged.outcome is not None for run in runs)
     is_shown = found.of(KEPT) or passed
     verdict = VIOLATED if against else SHOWN if is_shown else NOT_SHOWN if has_any else NONE
-    deviations: dict[str, list[Evidence]] = {}
     decided = {run.evidence.number for run in runs if run.verdict in (KEPT, VIOLATED, OPEN)}
-    for number in sorted(decided.union(*(test.runs for test in tests))):
-        for said in by_number[number].deviations:
-            deviations.setdefault(said, []).append(by_number[number])
+    numbers = sorted(decided.union(*(test.runs for test in tests)))
+    deviations = by_key((said, by_number[number]) for number in numbers for said in by_number[number].deviations)
     gaps = (*against, *_missing(found, by_number, verdict))
     return replace(found, verdict=verdict, gaps=gaps, deviations=deviations)
 
@@ -148,6 +148,14 @@ def _order(run: Run) -> tuple[int, float, int]:
 def _is_supported(test: Test, by_number: Mapping[int, Evidence]) -> bool:
     """Whether all runs of a test are here and check."""
     return bool(test.runs) and not test.missing and not any(by_number[number].problems for number in test.runs)
+
+
+def by_key(pairs: Iterable[tuple[Key, Item]]) -> dict[Key, list[Item]]:
+    """The items of each key, keys and items in their order."""
+    found: dict[Key, list[Item]] = {}
+    for key, item in pairs:
+        found.setdefault(key, []).append(item)
+    return found
 
 
 def named(items: Iterable[Evidence]) -> str:

@@ -11,9 +11,10 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import whole_file
 from railhil.common.version import full_version
-from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, claims_of, named
-from railhil.dossier.evidence import DOSSIER, RUN, Evidence, folders_of, read_evidence
+from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, by_key, claims_of, named
+from railhil.dossier.evidence import DOSSIER, Evidence, folders_of, read_evidence
 from railhil.dossier.tests import Validation, read_tests, read_validation, test_files
+from railhil.index.find import RUN
 from railhil.judge.requirements.lists import Result, write_results
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import VIOLATED
@@ -70,10 +71,11 @@ class Dossier:
     @property
     def tools(self) -> list[Tool]:
         """The tools of the evidence, by version and code."""
-        made: dict[tuple[str, str], list[Evidence]] = {}
-        for one in self.evidence:
-            if version := one.document.get("railhil"):
-                made.setdefault((str(version), str(one.document.get("code_sha256"))), []).append(one)
+        made = by_key(
+            ((str(version), str(one.document.get("code_sha256"))), one)
+            for one in self.evidence
+            if (version := one.document.get("railhil"))
+        )
         return [Tool(*key, items, *self._validated(key[1])) for key, items in made.items()]
 
     def _validated(self, code: str) -> tuple[bool, str]:
@@ -93,12 +95,8 @@ class Dossier:
     def _of_claims(self) -> Iterator[str]:
         if not self.claims:
             yield "there is no requirement: no list was given, and no run, test or search names one"
-        alike: dict[str, list[str]] = {}
-        for one in self.claims:
-            if one.verdict != SHOWN:
-                yield f"{one.id} {one.verdict}: {'; '.join(one.gaps)}"
-            for gap in one.gaps if one.verdict == SHOWN else ():
-                alike.setdefault(gap, []).append(one.id)
+        yield from (f"{one.id} {one.verdict}: {'; '.join(one.gaps)}" for one in self.claims if one.verdict != SHOWN)
+        alike = by_key((gap, one.id) for one in self.claims if one.verdict == SHOWN for gap in one.gaps)
         yield from (f"{', '.join(names)}: {gap}" for gap, names in alike.items())
 
     def _of_evidence(self) -> Iterator[str]:
@@ -109,17 +107,11 @@ class Dossier:
         if unsigned := [one for one in self.evidence if not one.signed]:
             count = f"{len(unsigned)} of {count_of(len(self.evidence), 'folder')}"
             yield f"{count} without a signature (who changes a file can write its hash, too): {named(unsigned)}"
-        alike: dict[str, list[Evidence]] = {}
-        for one in self.evidence:
-            for said in (*one.unchecked, *one.remarks):
-                alike.setdefault(said, []).append(one)
+        alike = by_key((said, one) for one in self.evidence for said in (*one.unchecked, *one.remarks))
         yield from (f"{named(items)}: {said}" for said, items in alike.items())
         if silent := [one for one in self.evidence if one.kind == RUN and one.verdict and not one.judged]:
             yield f"judged by no requirement: {named(silent)}"
-        laws: dict[str, list[Evidence]] = {}
-        for one in self.evidence:
-            if law := one.document.get("controller"):
-                laws.setdefault(str(law), []).append(one)
+        laws = by_key((str(law), one) for one in self.evidence if (law := one.document.get("controller")))
         if len(laws) > 1:
             said = "; ".join(f"{law} {named(items)}" for law, items in laws.items())
             yield f"the evidence is of {len(laws)} controllers, and a requirement is about one: {said}"

@@ -10,12 +10,13 @@ from typing import Any
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
+from railhil.index.find import RUN
 from railhil.judge.evidence import Checked, check_folder_alone, folders_below, is_evidence, signature_sentence
 from railhil.judge.record import Record
 from railhil.judge.requirements.outcome import Outcome, judge_requirements
 from railhil.judge.requirements.requirement import Requirement, requirements_from_json
 from railhil.judge.requirements.sentence import VIOLATED
-from railhil.record.documents import CERTIFICATE, SCORE
+from railhil.record.documents import CERTIFICATE, SCORE, SUMMARY
 from railhil.record.framelog import LOG_NAME, sha256_of
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST
 from railhil.record.signature import signed
@@ -24,8 +25,6 @@ from railhil.scenarios.settings import REQUIREMENTS, required
 
 #: Document of a dossier, which is no evidence of another one.
 DOSSIER = "dossier.json"
-RUN = "run"
-_SUMMARY = "summary.json"
 _SEARCHES = ("hunt.json", "probability.json")
 _WRITTEN = "what railhil has written"
 #: Key of a certificate that is not usual -> what it says.
@@ -172,11 +171,11 @@ def _content(folder: Path, checked: Checked, listed: Sequence[Requirement], prob
             if (folder / LOG_NAME).is_file():
                 problems.append("the run did not come to its end: there is no certificate")
             is_search = any((folder / name).is_file() for name in _SEARCHES)
-            return {"searched": tuple(_searched(given_json(folder / _SUMMARY, _WRITTEN)))} if is_search else {}
+            return {"searched": tuple(_searched(given_json(folder / SUMMARY, _WRITTEN)))} if is_search else {}
     except InputError as error:
         problems.append(_bare(str(error), folder))
     except (KeyError, TypeError, ValueError, AttributeError):
-        problems.append(f"{_SUMMARY}: other keys than railhil writes")
+        problems.append(f"{SUMMARY}: other keys than railhil writes")
     return _of_damaged(folder)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from railhil.common.digits import count_of
-from railhil.dossier.claims import SHOWN, Claim, Run, named
+from railhil.dossier.claims import SHOWN, Claim, Run, by_key, named
 from railhil.dossier.dossier import Dossier
 from railhil.dossier.evidence import Evidence
 from railhil.judge.requirements.outcome import NOT_JUDGED
@@ -45,7 +45,7 @@ def page(dossier: Dossier, out: Path) -> str:
         named=named,
         rows=_rows,
         link=lambda one: address_of(one.folder, out / REPORT),
-        assumptions=_assumptions(dossier.evidence),
+        assumptions=by_key((said, one) for one in dossier.evidence for said in one.document.get("assumptions") or ()),
         published={one.published[0]: one.published[1] for one in dossier.evidence if one.published},
     )
 
@@ -83,22 +83,14 @@ def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
     """The runs that a claim's page has as rows, and sentences on the others."""
     said = [run for run in claim.runs if run.verdict in (VIOLATED, KEPT, OPEN) or run.evidence.problems]
     shown = said[:_ROWS_MAX]
-    others: dict[str, list[Evidence]] = {}
-    for run in claim.runs:
-        if run not in said and (run.counts or not run.verdict):
-            others.setdefault(run.verdict or run.why_not, []).append(run.evidence)
+    others = by_key(
+        (run.verdict or run.why_not, run.evidence)
+        for run in claim.runs
+        if run not in said and (run.counts or not run.verdict)
+    )
     rest = [f"{word} in {count_of(len(items), 'run')}: {named(items)}" for word, items in others.items()]
     if further := said[_ROWS_MAX:]:
         rest.insert(
             0, f"{count_of(len(further), 'further run')} with larger margins: {named(run.evidence for run in further)}"
         )
     return shown, rest
-
-
-def _assumptions(evidence: Iterable[Evidence]) -> dict[str, list[Evidence]]:
-    """The assumptions of the scenarios, each with its runs."""
-    found: dict[str, list[Evidence]] = {}
-    for one in evidence:
-        for said in one.document.get("assumptions") or ():
-            found.setdefault(str(said), []).append(one)
-    return found

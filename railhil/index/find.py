@@ -12,18 +12,16 @@ from pathlib import Path
 
 from railhil.common.errors import InputError, Words, describe_os_error
 from railhil.judge.events.event import EVENTS
-from railhil.record.documents import CERTIFICATE, SCORE
+from railhil.record.documents import CERTIFICATE, PARTS, SCORE, SUMMARY
+from railhil.record.framelog import LOG_NAME
 from railhil.record.hash_list import DOCUMENTS, HASH_LIST, REPORT, SIGNATURE
 
-#: Of :mod:`railhil.study.parts`, which needs the library of tables.
-_PARTS, _SUMMARY = "parts", "summary.json"
 #: The folder of the index, in the directory whose folders it has.
 INDEX = ".railhil-index"
 #: The kind of the folder of a run; the kind of every other folder is the name of its document.
 RUN = "run"
-_LOG = "frames.log"
 #: Files whose contents are in the index, and those that say something by being there.
-_READ = (*DOCUMENTS, SCORE, _SUMMARY, EVENTS, HASH_LIST, SIGNATURE, REPORT, _LOG)
+_READ = (*DOCUMENTS, SCORE, SUMMARY, EVENTS, HASH_LIST, SIGNATURE, REPORT, LOG_NAME)
 #: The instant with which names of usual folders begin (:func:`railhil.record.run_folder.run_folder`).
 _STAMP = re.compile(r"(\d{8}T\d{6}Z)-")
 
@@ -66,7 +64,7 @@ def find_folders(root: Path) -> tuple[list[Found], list[str]]:
 
 def has_runs_below(folder: Path) -> bool:
     """Whether a directory is shown by its index: it is no run and no sequence, and has folders of runs below it."""
-    if not folder.is_dir() or any((folder / name).is_file() for name in (_LOG, CERTIFICATE, "sequence.json")):
+    if not folder.is_dir() or any((folder / name).is_file() for name in (LOG_NAME, CERTIFICATE, "sequence.json")):
         return False
     return any(one.folder != "." for one in find_folders(folder)[0])
 
@@ -78,7 +76,7 @@ def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
         with os.scandir(place) as entries:
             for entry in entries:
                 if entry.is_dir(follow_symlinks=False):
-                    if entry.name != _PARTS and not entry.name.startswith("."):
+                    if entry.name != PARTS and not entry.name.startswith("."):
                         folders.append(entry.name)
                 elif entry.name in _READ:
                     files[entry.name] = entry.stat()
@@ -86,7 +84,7 @@ def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
         unread.append(f"{place} cannot be read: {describe_os_error(error)}")
         return
     document = next((name for name in DOCUMENTS if name in files), "")
-    if document or _LOG in files:
+    if document or LOG_NAME in files:
         yield _found(place.name, below or ".", document, files)
     for name in folders:
         yield from _walk(place / name, f"{below}/{name}" if below else name, unread)
@@ -94,12 +92,12 @@ def _walk(place: Path, below: str, unread: list[str]) -> Iterator[Found]:
 
 def _found(name: str, below: str, document: str, files: Mapping[str, os.stat_result]) -> Found:
     # The log of a finished run is not read, and a page is only linked.
-    read = {one: found for one, found in files.items() if one != REPORT and (one != _LOG or not document)}
+    read = {one: found for one, found in files.items() if one != REPORT and (one != LOG_NAME or not document)}
     stamp = " ".join(f"{one}:{found.st_mtime_ns}:{found.st_size}" for one, found in sorted(read.items()))
     begun = _STAMP.match(name)
     if begun:
         made = datetime.strptime(begun[1], "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
     else:
-        made = datetime.fromtimestamp(files[document or _LOG].st_mtime, UTC)
+        made = datetime.fromtimestamp(files[document or LOG_NAME].st_mtime, UTC)
     names = frozenset(one for one, found in files.items() if stat.S_ISREG(found.st_mode))
     return Found(below, document, f"{stamp} {REPORT in files}", made, names)

@@ -20,10 +20,17 @@ from railhil.common.user_files import given_json, open_given, refuse_unreadable
 from railhil.index.find import RUN, Found
 from railhil.judge.events.event import COLUMNS, EVENTS
 from railhil.judge.record import law_label
-from railhil.record.documents import CERTIFICATE, SCORE, read_certificate, read_comparison, read_fault_table, read_score
+from railhil.record.documents import (
+    CERTIFICATE,
+    SCORE,
+    SUMMARY,
+    read_certificate,
+    read_comparison,
+    read_fault_table,
+    read_score,
+)
 from railhil.record.hash_list import REPORT, SIGNATURE, changed_files, check_document
 from railhil.scenarios.system import DEFAULT
-from railhil.study.parts import SUMMARY
 
 #: Rows by the name of their table.
 Rows: TypeAlias = dict[str, list[dict[str, Any]]]
@@ -143,24 +150,23 @@ def _events(path: Path) -> Iterable[dict[str, Any]]:
     return [row | {name: float(row[name]) if row[name] else None for name in numbers} for row in found]
 
 
-def _summary(folder: Path, found: Found) -> tuple[Document, Document]:
-    """Manifest and summary of a study; the summary is empty while it is not finished."""
+def _study(folder: Path, found: Found) -> tuple[dict[str, Any], Document]:
+    """What a study tells in any case, and its summary, which is empty while it is not finished."""
     manifest = given_json(folder / found.document, "what railhil has written")
     _check(folder, found.document, manifest, SUMMARY)
-    return manifest, given_json(folder / SUMMARY, "what railhil has written") if SUMMARY in found.names else {}
-
-
-def _of_any(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    manifest, summary = _summary(folder, found)
+    summary = given_json(folder / SUMMARY, "what railhil has written") if SUMMARY in found.names else {}
     identity = manifest.get(found.kind, {})
     told = {"scenario": identity.get("scenario"), "version": manifest.get("railhil"), "law": identity.get("law")}
     told |= {"system": (manifest.get("scenario") or {}).get("system", DEFAULT), "seed": summary.get("seed")}
-    return told | {"line": "" if summary else "not finished"}, {}
+    return told | {"line": "" if summary else "not finished"}, summary
+
+
+def _of_any(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
+    return _study(folder, found)[0], {}
 
 
 def _of_campaign(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    told, _ = _of_any(folder, found)
-    _, summary = _summary(folder, found)
+    told, summary = _study(folder, found)
     laws = summary.get("laws", {})
     said = [f"{law} {one['inside']['pass']['share']:.1%} PASS" for law, one in laws.items()]
     rows = [
@@ -176,8 +182,7 @@ def _of_campaign(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 
 def _of_hunt(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    told, _ = _of_any(folder, found)
-    _, summary = _summary(folder, found)
+    told, summary = _study(folder, found)
     rows = [{"folder": found.folder} | _only(one, REQUIREMENT) for one in summary.get("requirements", [])]
     violated = [one["id"] for one in rows if one["verdict"] == "violated"]
     said = f"violated: {', '.join(violated)}" if violated else "no violation found"
@@ -185,8 +190,7 @@ def _of_hunt(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 
 def _of_probability(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    told, _ = _of_any(folder, found)
-    _, summary = _summary(folder, found)
+    told, summary = _study(folder, found)
     if not summary:
         return told, {}
     interval = "" if summary["low"] is None else f" ({summary['low']:.2g} to {summary['high']:.2g})"
@@ -195,8 +199,7 @@ def _of_probability(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 
 def _of_learn(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    told, _ = _of_any(folder, found)
-    _, summary = _summary(folder, found)
+    told, summary = _study(folder, found)
     said = ", ".join(f"{count} {verdict}" for verdict, count in summary.get("verdicts", {}).items())
     return told | ({"law": summary["law"], "line": said} if summary else {}), {}
 

@@ -17,13 +17,13 @@ from railhil.judge.requirements.requirement import as_toml
 from railhil.judge.result import Result
 from railhil.probability.plan import LEAST, LEAST_RUNS, Plan
 from railhil.probability.sampling import Floats, Points
+from railhil.record.documents import SUMMARY
 from railhil.record.hash_list import write_hash_list
 from railhil.run.local import unrecorded_run
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import set_words
 from railhil.study.descent import descend
 from railhil.study.execute import Outcome
-from railhil.study.parts import SUMMARY
 
 #: Deviation of its first generation, in standard deviations of a draw.
 _STEP = 0.3

@@ -21,12 +21,12 @@ from railhil.probability.limit_state import LimitState
 from railhil.probability.plan import BRUTE, OWN_CODE, SUBSET, Chunk, Design, Plan, Request, make_plan
 from railhil.probability.sampling import Estimate, Floats, Points, draw_points, estimate_side
 from railhil.probability.show import lines
+from railhil.record.documents import SUMMARY
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome, execute
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
 from railhil.study.manifest import machine_and_list
-from railhil.study.parts import SUMMARY
 from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 

@@ -19,6 +19,8 @@ CERTIFICATE, SCORE = "certificate.json", "score.json"
 COMPARISON = "compare.json"
 #: Name in the folder of ``railhil faults --out``.
 FAULT_TABLE = "faults.json"
+#: Names in the folder of a study: the folder of its parts, and its results.
+PARTS, SUMMARY = "parts", "summary.json"
 _WRITTEN = "what railhil run has written"
 
 

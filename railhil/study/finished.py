@@ -13,9 +13,9 @@ import pyarrow as pa
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
+from railhil.record.documents import SUMMARY
 from railhil.record.hash_list import check_hash_list
 from railhil.study.manifest import differing_values, read_manifest, shown_value
-from railhil.study.parts import SUMMARY
 from railhil.study.plan import C, P, Study
 from railhil.study.table import RESULTS, NotThePart, read_table
 

@@ -24,6 +24,7 @@ import pyarrow as pa
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, describe_os_error
 from railhil.common.user_files import DRAFTS, RecordFailed, refuse_unwritable, sync_folder, write_synced
+from railhil.record.documents import PARTS, SUMMARY
 from railhil.record.framelog import sha256_of
 from railhil.record.hash_list import HASH_LIST, enter, read_hash_list, write_hash_list, write_hashes
 from railhil.record.run_folder import run_folder
@@ -32,8 +33,6 @@ from railhil.study.manifest import check_same, manifest_of, read_manifest
 from railhil.study.plan import C, P, Shard, Study, sha256_of_json
 from railhil.study.table import RESULTS, NotThePart, file_bytes, read_part
 
-PARTS = "parts"
-SUMMARY = "summary.json"
 _SHARD_LISTS = "shard-*.sha256"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 #: Attribute of a requirement with a sentence of :mod:`railhil.judge.requirements`, and those with the results.
 SAYS, VERDICT, EVIDENCE = "RAILHIL_SAYS", "RAILHIL_VERDICT", "RAILHIL_EVIDENCE"
-SUFFIX = ".reqif"
-EXTRA = "requirements"
 #: Names of attributes in order of preference: those of the ReqIF Implementation Guide, of StrictDoc, of DOORS.
 _IDS = ("ReqIF.ForeignID", "UID", "ID", "Object Identifier")
 _TEXTS = ("ReqIF.Text", "STATEMENT", "Object Text", "Text", "Description")
@@ -50,7 +48,7 @@ class Result:
 
 def is_list(word: str | Path) -> bool:
     """Whether a file of requirements is a list of another tool, by its suffix."""
-    return Path(word).suffix.lower() == SUFFIX
+    return Path(word).suffix.lower() == ".reqif"
 
 
 def read_list(path: Path) -> tuple[Listed, ...]:
@@ -88,10 +86,9 @@ def _opened(path: Path) -> _ReqIf:
     allowed = "a ReqIF file"
     with refuse_unreadable(path, allowed):
         text = given_text(path)
+    parser = _library("parser").ReqIFParser
     try:
-        parsed = _ReqIf.parsed(text)
-    except InputError:
-        raise
+        parsed = parser.parse_from_string(text)
     except Exception as error:
         # The library checks files by assertions and look-ups, too.
         said = str(error).splitlines() or [type(error).__name__]
@@ -105,6 +102,10 @@ def _opened(path: Path) -> _ReqIf:
     return document
 
 
+def _library(module: str) -> ModuleType:
+    return need(f"reqif.{module}", "requirements", command="requirements in ReqIF")
+
+
 class _ReqIf:
     """A list in ReqIF. What the library does not keep (tool extensions) is not in the copy."""
 
@@ -115,15 +116,6 @@ class _ReqIf:
         self._types = {one.identifier: one for one in kinds if hasattr(one, "attribute_map")}
         self._objects: dict[str, Any] = {}
         self.listed = tuple(filter(None, map(self._listed, getattr(self._content, "spec_objects", None) or ())))
-
-    @classmethod
-    def parsed(cls, text: str) -> Any:
-        """The library's form of a text; raises what the library raises."""
-        return cls._need("parser").ReqIFParser.parse_from_string(text)
-
-    @staticmethod
-    def _need(module: str) -> ModuleType:
-        return need(f"reqif.{module}", EXTRA, command="requirements in ReqIF")
 
     def _listed(self, thing: Any) -> Listed | None:
         """A SPEC-OBJECT as a requirement; None: it has no id or no text."""
@@ -147,16 +139,17 @@ class _ReqIf:
 
     def with_results(self, results: Mapping[str, Result]) -> str:
         """The text of the copy; raises ValueError for attributes of another type."""
-        objects = self._need("models.reqif_spec_object")
-        string = self._need("models.reqif_types").SpecObjectAttributeType.STRING
+        objects = _library("models.reqif_spec_object")
+        string = _library("models.reqif_types").SpecObjectAttributeType.STRING
         for name, thing in self._objects.items():
-            own = _attributes(results.get(name))
+            result = results.get(name)
+            own = {VERDICT: result.verdict if result else "", EVIDENCE: result.evidence if result else ""}
             references = {key: self._definition(thing, key, string) for key in own}
             thing.attributes = [one for one in thing.attributes if one.definition_ref not in references.values()]
             thing.attributes += [
                 objects.SpecObjectAttribute(string, references[key], value) for key, value in own.items() if value
             ]
-        return str(self._need("unparser").ReqIFUnparser.unparse(self._bundle))
+        return str(_library("unparser").ReqIFUnparser.unparse(self._bundle))
 
     def _definition(self, thing: Any, key: str, string: Any) -> str:
         """Identifier of the definition of an attribute for the type of an object; made if there is none."""
@@ -166,7 +159,7 @@ class _ReqIf:
                 if known.attribute_type != string:
                     raise ValueError(f"{key} of the type string, or no such attribute")
                 return str(known.identifier)
-        types = self._need("models.reqif_data_type")
+        types = _library("models.reqif_data_type")
         now = datetime.now(UTC).isoformat(timespec="seconds")
         self._content.data_types = self._content.data_types or []
         if not any(one.identifier == _STRING for one in self._content.data_types):
@@ -174,16 +167,11 @@ class _ReqIf:
                 _STRING, last_change=now, long_name="railhil", max_length="32000"
             )
             self._content.data_types.append(made)
-        definition = self._need("models.reqif_spec_object_type").SpecAttributeDefinition(
+        definition = _library("models.reqif_spec_object_type").SpecAttributeDefinition(
             string, f"{kind.identifier}-{key}", _STRING, last_change=now, long_name=key
         )
         kind.attribute_definitions = [*(kind.attribute_definitions or ()), definition]
         return f"{kind.identifier}-{key}"
-
-
-def _attributes(result: Result | None) -> dict[str, str]:
-    """Attributes with a result; empty texts without one."""
-    return {VERDICT: result.verdict if result else "", EVIDENCE: result.evidence if result else ""}
 
 
 def _text(attribute: Any) -> str:
