@@ -43,10 +43,14 @@ def page(dossier: Dossier, out: Path) -> str:
         shows_cells=shows_cells,
         badge=lambda verdict: _BADGES.get(verdict, "INVALID"),
         named=named,
+        with_names=lambda said: [f"{one} ({named(items)})" for one, items in said.items()],
         rows=_rows,
         link=lambda one: address_of(one.folder, out / REPORT),
         assumptions=by_key((said, one) for one in dossier.evidence for said in one.document.get("assumptions") or ()),
-        published={one.published[0]: one.published[1] for one in dossier.evidence if one.published},
+        published={
+            source: [(row.at, row.reading, row.other) for row in rows]
+            for source, rows in (one.published for one in dossier.evidence if one.published)
+        },
     )
 
 

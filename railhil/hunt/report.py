@@ -42,7 +42,15 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         headline=headline(summary),
         verdict=verdict_line(summary),
         requirements=[{**one, "nearest": nearest(one)} for one in summary["requirements"]],
-        strategies=summary["strategies"],
+        strategies=[
+            (
+                name,
+                str(one["runs"]),
+                str(one["valid"]),
+                str(first) if (first := one["first_violation"]) is not None else "none",
+            )
+            for name, one in summary["strategies"].items()
+        ],
         tight=[(one["id"], tight_sentence(one)) for one in summary.get("tight", ())],
         cases=[_case(plan, one, folder, place < _DRAWN_MAX) for place, one in enumerate(summary["found"])],
     )
