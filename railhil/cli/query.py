@@ -43,13 +43,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Print the rows of the statement."""
     need("duckdb", "index", command="railhil query")
-    from railhil.index.query import answer
+    from railhil.index.query import answer, rows_of
     from railhil.index.tables import open_index
 
     index = open_index(Path(namespace.folder), namespace.again)
     found = answer(index, namespace.statement)
     console = Output(stderr=namespace.json)
-    rows = found.to_pylist()
+    rows = rows_of(found)
     if namespace.json:
         # Instants and decimals as text; JSON has no NaN.
         print_json(json.loads(json.dumps(rows, default=str), parse_constant=lambda text: None))

@@ -70,7 +70,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_index_arguments(parser)
     parser.add_argument(
         "--where", type=_condition, action="append", default=[], metavar="KEY=PATTERN",
-        help="only folders with this value (scenario=yizhuang*, requirement=ATO-5); may be given again",
+        help="only folders with this value (scenario=yizhuang*, requirement=ATO-5); may be given again, all hold",
     )  # fmt: skip
     parser.add_argument(
         "--since", type=_since, metavar="WHEN", help="only those made since then: 2026-11-28, 12h, 3d, 2w"
@@ -97,8 +97,12 @@ def work(namespace: argparse.Namespace) -> int:
     root = Path(namespace.folder)
     with show_progress(console, "folders", 0) as shown:
         index = open_index(root, namespace.again, lambda done, total: shown(done, f"folders ({total})"))
-    where = dict(namespace.where) | ({"is_new": "true"} if namespace.new else {})
-    for option, names in (("--where", where), ("--group", [namespace.group or "law"]), ("--sort", [namespace.sort])):
+    where = [*namespace.where, *([("is_new", "true")] if namespace.new else [])]
+    for option, names in (
+        ("--where", [key for key, _ in where]),
+        ("--group", [namespace.group or "law"]),
+        ("--sort", [namespace.sort]),
+    ):
         for key in names:
             show.check_key(index, option, key)
     every = show.all_rows(index)
@@ -113,7 +117,7 @@ def work(namespace: argparse.Namespace) -> int:
         print_json([show.as_json(one) for one in (found if namespace.group else rows)])
     elif found:
         console.print(show.groups_table(found, namespace.group) if namespace.group else show.rows_table(found))
-    for remark in index.remarks:
+    for remark in (*index.remarks, *show.doubts(rows)):
         console.say(remark, style="yellow")
     said = (
         f"{count_of(len(rows), 'folder')} of {len(every)}" if len(rows) < len(every) else count_of(len(rows), "folder")

@@ -94,7 +94,8 @@ def _read(root: Path) -> dict[str, dict[str, Any]]:
 def _write(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     try:
         with whole_file(root / INDEX / _FILE) as draft:
-            pq.write_table(pa.Table.from_pylist(list(rows), _SCHEMA), draft, compression="zstd")
+            table = pa.Table.from_pylist(list(rows), _SCHEMA)
+            pq.write_table(table, draft, compression="zstd", write_page_checksum=True)
     except OSError:
         # As the index itself, which has said so.
         return

@@ -16,7 +16,7 @@ from railhil.common.errors import InputError
 from railhil.index.curves import curves, speed_columns
 from railhil.index.find import RUN
 from railhil.index.rows import FACTS, LISTS
-from railhil.index.show import Row, all_rows
+from railhil.index.show import Row, all_rows, doubts
 from railhil.index.tables import Index
 from railhil.judge.judging import Judging
 from railhil.report.display_columns import ShownColumn
@@ -28,8 +28,8 @@ CURVES_MAX: Final = 200
 #: Digits of a hash that are shown.
 _HASH_DIGITS = 12
 #: Columns of every row; the others are those of a run.
-_COMMON = ("folder", "kind", "scenario", "system", "law", "seed", "version", "verdict", "line", "problem", "is_signed",
-           "has_report")  # fmt: skip
+_COMMON = ("folder", "kind", "dated_by", "scenario", "system", "law", "seed", "version", "verdict", "line", "problem",
+           "is_signed", "has_report")  # fmt: skip
 #: What is told of a run when it is compared.
 _OF_RUNS = (
     *(name for name in FACTS if name not in ("controller", "seed")), *LISTS, "host", "operator", "parameters",
@@ -47,7 +47,7 @@ def page(index: Index, links: str, is_served: bool = False) -> str:
     return template("index.html.j2", "railhil.index").render(
         title=f"Runs below {index.root.resolve().name}",
         data=_script_json(_data(index, rows, links, is_served)),
-        remarks=index.remarks,
+        remarks=[*index.remarks, *doubts(rows)],
         chart_styles=static_text("charts.css") + static_text("uPlot.min.css"),
         chart_scripts="".join(
             [*map(static_text, ("uPlot.iife.min.js", "view.js", "charts.js")),

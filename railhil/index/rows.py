@@ -17,19 +17,21 @@ from typing import Any, TypeAlias
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json, open_given, refuse_unreadable
-from railhil.index.find import RUN, Found
+from railhil.index.find import RECORDED, RUN, Found
 from railhil.judge.events.event import COLUMNS, EVENTS
 from railhil.judge.record import law_label
 from railhil.record.documents import (
     CERTIFICATE,
     SCORE,
     SUMMARY,
+    fault_entries_missing,
+    fault_table_verdict,
     read_certificate,
     read_comparison,
     read_fault_table,
     read_score,
 )
-from railhil.record.hash_list import REPORT, SIGNATURE, changed_files, check_document
+from railhil.record.hash_list import HASH_LIST, REPORT, SIGNATURE, changed_files, check_document
 from railhil.scenarios.system import DEFAULT
 
 #: Rows by the name of their table.
@@ -48,14 +50,7 @@ LISTS = ("settings", "faults", "orders")
 
 def rows_of(root: Path, found: Found) -> Rows:
     """All rows of a folder."""
-    head = {
-        "folder": found.folder,
-        "kind": found.kind,
-        "made": found.made,
-        "is_signed": SIGNATURE in found.names,
-        "has_report": REPORT in found.names,
-        "problem": "",
-    }
+    head = head_of(found)
     folder = root / found.folder
     try:
         if not found.document:
@@ -66,13 +61,35 @@ def rows_of(root: Path, found: Found) -> Rows:
         return {"folders": [head | told], **rows}
     except InputError as error:
         return {"folders": [head | {"problem": error.difference if error.file == str(folder) else str(error)}]}
-    except (LookupError, TypeError, ValueError, AttributeError):
-        return {"folders": [head | {"problem": f"{found.document} or {SUMMARY} has other keys than railhil writes"}]}
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError):
+        return foreign_rows(found)
+
+
+def head_of(found: Found) -> dict[str, Any]:
+    """What is known of a folder whose documents are not read."""
+    return {
+        "folder": found.folder,
+        "kind": found.kind,
+        "made": found.made,
+        "dated_by": found.dated_by,
+        "is_listed": HASH_LIST in found.names,
+        "is_signed": SIGNATURE in found.names,
+        "has_report": REPORT in found.names,
+        "problem": "",
+    }
+
+
+def foreign_rows(found: Found) -> Rows:
+    """The row of a folder whose documents hold other keys or values than those of the tables."""
+    said = f"{found.document}, {SCORE} or {SUMMARY} has other keys or values than railhil writes"
+    return {"folders": [head_of(found) | {"problem": said}]}
 
 
 def _check(folder: Path, name: str, document: Document | None, beside: str) -> None:
-    """Refuse documents that are not as listed. Raises InputError."""
+    """Refuse documents that are not as listed, or not listed beside others that are. Raises InputError."""
     hashes = check_document(folder, name, document)
+    if hashes and beside and beside not in hashes and (folder / beside).is_file():
+        raise InputError(folder / HASH_LIST, "", Words(f"has no line of {beside}"), "the hash of each file")
     for changed in changed_files(folder, {beside: hashes[beside]} if beside in hashes else {}):
         raise changed.error(folder)
 
@@ -84,6 +101,7 @@ def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     score, recorded = score or {}, certificate.get("recorded") or {}
     if "utc" in recorded:
         # It is the same in a copy, whose files may have other dates.
+        head["dated_by"] = RECORDED
         head["made"] = datetime.fromisoformat(recorded["utc"]).astimezone(UTC)
     run, parameters = score.get("run", {}), certificate.get("parameters")
     law = law_label(certificate, "?")
@@ -112,7 +130,7 @@ def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     key = {"folder": found.folder}
     return {
         "folders": [head | common],
-        "runs": [key | {"made": head["made"]} | common | facts | {name: _number(one) for name, one in scores.items()}],
+        "runs": [{name: _number(one) for name, one in scores.items()} | key | {"made": head["made"]} | common | facts],
         "requirements": [key | _only(one, REQUIREMENT) for one in score.get("requirements", [])],
         "faults": [key | _only(one, FAULT) for one in certificate.get("injected", [])],
         "events": [key | one for one in _events(folder / EVENTS)] if EVENTS in found.names else [],
@@ -238,8 +256,12 @@ def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     _check(folder, found.document, document, "")
     assert document is not None
     wrong = [str(one.get("entry")) for one in document["rows"] if one.get("failures")]
-    made = [one for one in document["rows"] if one.get("verdict")]
     said = f"not as they must be: {', '.join(wrong)}" if wrong else "all as they must be"
+    if missing := fault_entries_missing(document):
+        said += f", stopped before {', '.join(missing)}"
+    if pairs := document.get("pairs"):
+        broken = sum(bool(one["failures"]) for one in pairs)
+        said += f"; {count_of(len(pairs), 'random pair')}, {broken} break a rule"
     told = {name: document.get(name) for name in ("scenario", "system")}
     told |= {"law": document.get("controller"), "version": document.get("railhil")}
     told |= {"line": f"{count_of(len(document['rows']), 'entry', 'entries')}, {said}"}
@@ -247,7 +269,7 @@ def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
         {"folder": found.folder} | _only(one, REACTION) | {"failures": "; ".join(one.get("failures", []))}
         for one in document["rows"]
     ]
-    return told | {"verdict": "FAIL" if wrong else "PASS" if made else "INVALID"}, {"reactions": rows}
+    return told | {"verdict": fault_table_verdict(document)}, {"reactions": rows}
 
 
 def _worst(verdicts: Iterable[str]) -> str | None:

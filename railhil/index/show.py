@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from fnmatch import fnmatchcase
 from typing import Any, TypeAlias
 
 from rich.table import Table
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, did_you_mean
 from railhil.common.output import table
+from railhil.index.find import FILE
 from railhil.index.tables import STAMP, Index
+from railhil.record.hash_list import HASH_LIST
 
 Row: TypeAlias = dict[str, Any]
 #: Key of the requirements of a folder in its row: verdict by id.
 REQUIREMENT = "requirement"
 _AGO = re.compile(r"(\d+) ?([hdw])")
 _UNITS = {"h": "hours", "d": "days", "w": "weeks"}
+#: Before a date that is only that of a file.
+_ABOUT = "~"
+#: Folders that a sentence names.
+_NAMED_MAX = 6
 _SHOWN = ("made (UTC)", "folder", "kind", "scenario", "law", "seed", "verdict", "")
 
 
@@ -59,16 +66,17 @@ def instant(text: str, now: datetime) -> datetime:
     return found if found.tzinfo else found.replace(tzinfo=UTC)
 
 
-def chosen(rows: Iterable[Row], where: Mapping[str, str], since: datetime | None = None) -> list[Row]:
+def chosen(rows: Iterable[Row], where: Iterable[tuple[str, str]], since: datetime | None = None) -> list[Row]:
     """The rows that fulfil all conditions.
 
-    :param where: key -> pattern of its value, with ``*`` and ``?``.
+    :param where: keys, each with a pattern of its value, with ``*`` and ``?``.
     """
+    conditions = list(where)
     return [
         row
         for row in rows
         if (since is None or row["made"] >= since)
-        and all(any(fnmatchcase(one, pattern) for one in _texts(row.get(key))) for key, pattern in where.items())
+        and all(any(fnmatchcase(one, pattern) for one in _texts(row.get(key))) for key, pattern in conditions)
     ]
 
 
@@ -118,8 +126,25 @@ def as_json(row: Row) -> Row:
     }
 
 
-def _minute(made: datetime) -> str:
-    return f"{made:%Y-%m-%d %H:%M}"
+def _minute(made: datetime, dated_by: str = "") -> str:
+    return f"{_ABOUT if dated_by == FILE else ''}{made:%Y-%m-%d %H:%M}"
+
+
+def doubts(rows: Sequence[Row]) -> list[str]:
+    """Sentences on what the index cannot vouch for in these rows."""
+    dated = [row["folder"] for row in rows if row["dated_by"] == FILE]
+    unlisted = [row["folder"] for row in rows if not row["is_listed"] and not row["problem"]]
+    return [
+        f"{said}: {', '.join(found[:_NAMED_MAX])}{' ...' if len(found) > _NAMED_MAX else ''}"
+        for found, said in (
+            (
+                dated,
+                f"{_ABOUT} date of a file, which a copy may change, in {count_of(len(dated), 'folder')}",
+            ),
+            (unlisted, f"{count_of(len(unlisted), 'folder')} without {HASH_LIST}, checked against nothing"),
+        )
+        if found
+    ]
 
 
 def rows_table(rows: Iterable[Row]) -> Table:
@@ -131,7 +156,7 @@ def rows_table(rows: Iterable[Row]) -> Table:
         style = "red" if row["problem"] else None
         cells = [row[key] for key in ("folder", "kind", "scenario", "law", "seed", "verdict")]
         shown = ["" if cell is None else str(cell) for cell in cells]
-        made.add_row(_minute(row["made"]), *shown, row["problem"] or row["line"], style=style)
+        made.add_row(_minute(row["made"], row["dated_by"]), *shown, row["problem"] or row["line"], style=style)
     return made
 
 

@@ -14,8 +14,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from railhil.common.user_files import whole_file
-from railhil.index.find import INDEX, find_folders
-from railhil.index.rows import EVENT, FACTS, FAULT, LISTS, REACTION, REQUIREMENT, Rows, rows_of
+from railhil.index.find import INDEX, Found, find_folders
+from railhil.index.rows import EVENT, FACTS, FAULT, LISTS, REACTION, REQUIREMENT, Rows, foreign_rows, rows_of
 
 #: Column of the table ``folders``, not shown: what the folder was when it was read.
 STAMP: Final = "stamp"
@@ -40,8 +40,9 @@ _FOLDER = pa.field("folder", pa.string())
 #: Columns of each table. ``runs`` has each score of the runs, too, and ``signed_`` before those with a sign.
 SCHEMAS: Final[Mapping[str, pa.Schema]] = {
     "folders": pa.schema(
-        [_FOLDER, pa.field("kind", pa.string()), _MADE, *_schema(_COMMON), pa.field("problem", pa.string()),
-         pa.field("is_signed", pa.bool_()), pa.field("has_report", pa.bool_()), pa.field(STAMP, pa.string())]
+        [_FOLDER, pa.field("kind", pa.string()), _MADE, pa.field("dated_by", pa.string()), *_schema(_COMMON),
+         pa.field("problem", pa.string()), pa.field("is_listed", pa.bool_()), pa.field("is_signed", pa.bool_()),
+         pa.field("has_report", pa.bool_()), pa.field(STAMP, pa.string())]
     ),
     "runs": pa.schema(
         [_FOLDER, _MADE, *_schema((*_COMMON, *(name for name in FACTS if name != "seed"), *_TEXTS)),
@@ -57,7 +58,7 @@ SCHEMAS: Final[Mapping[str, pa.Schema]] = {
     ),
 }  # fmt: skip
 #: What rows mean beside their columns: another number when they are read in another way.
-_READING = 2
+_READING = 3
 _FORMAT = sha256(f"{_READING} {[str(one) for one in SCHEMAS.values()]}".encode()).digest()
 
 
@@ -96,19 +97,43 @@ def open_index(
     stamps = dict(zip(*(kept["folders"][name].to_pylist() for name in ("folder", STAMP)), strict=True)) if kept else {}
     changed = [one for one in found if stamps.get(one.folder) != one.stamp]
     same = [one.folder for one in found if stamps.get(one.folder) == one.stamp]
-    rows: Rows = {name: [] for name in SCHEMAS}
+    read: list[tuple[Found, Rows]] = []
     for done, one in enumerate(changed):
         progress(done, len(changed))
-        for name, more in rows_of(root, one).items():
-            rows[name] += more
-        rows["folders"][-1][STAMP] = one.stamp
+        read.append((one, rows_of(root, one)))
     if kept and not changed and len(same) == len(stamps):
         # Making a table, even an empty one, would load pandas.
         return Index(root, kept, remarks=remarks)
-    tables = {name: _joined(kept.get(name), _table(rows[name], schema), same) for name, schema in SCHEMAS.items()}
+    tables = {name: _joined(kept.get(name), made, same) for name, made in _tables(read).items()}
     index = Index(root, tables, frozenset(one.folder for one in changed), remarks)
     _write(index)
     return index
+
+
+#: Errors of rows whose values are not of their columns: a text for a number, a number of too many digits.
+_UNFIT = (pa.ArrowException, OverflowError, TypeError, ValueError)
+
+
+def _tables(read: Sequence[tuple[Found, Rows]]) -> dict[str, pa.Table]:
+    """The rows of all folders by table; of a folder whose rows do not fit a row that says so."""
+    rows: Rows = {name: [] for name in SCHEMAS}
+    for one, found in read:
+        for name, more in found.items():
+            rows[name] += more
+        rows["folders"][-1][STAMP] = one.stamp
+    try:
+        return {name: _table(rows[name], schema) for name, schema in SCHEMAS.items()}
+    except _UNFIT:
+        return _tables([(one, found if _fits(found) else foreign_rows(one)) for one, found in read])
+
+
+def _fits(found: Rows) -> bool:
+    try:
+        for name, more in found.items():
+            _table(more, SCHEMAS[name])
+    except _UNFIT:
+        return False
+    return True
 
 
 def _table(rows: Sequence[Mapping[str, Any]], schema: pa.Schema) -> pa.Table:
@@ -130,7 +155,7 @@ def read_parquet(path: Path) -> pa.Table:
 
     :raises OSError: there is none. :raises pa.ArrowException: it is damaged.
     """
-    with pq.ParquetFile(path) as file:
+    with pq.ParquetFile(path, page_checksum_verification=True) as file:
         return file.read()
 
 
@@ -143,7 +168,8 @@ def _read(root: Path) -> dict[str, pa.Table]:
     except (OSError, pa.ArrowException):
         return {}
     marks = {tuple(sorted((one.schema.metadata or {}).items())) for one in found.values()}
-    is_whole = len(marks) == 1 and dict(next(iter(marks))).get(b"format") == _FORMAT
+    has_columns = all({*SCHEMAS[name].names} <= {*one.column_names} for name, one in found.items())
+    is_whole = has_columns and len(marks) == 1 and dict(next(iter(marks))).get(b"format") == _FORMAT
     return found if is_whole else {}
 
 
@@ -157,7 +183,7 @@ def _write(index: Index) -> None:
         folder.mkdir(exist_ok=True)
         for name, table in index.tables.items():
             with whole_file(folder / f"{name}.parquet") as draft:
-                pq.write_table(table.replace_schema_metadata(mark), draft, compression="zstd")
+                pq.write_table(table.replace_schema_metadata(mark), draft, compression="zstd", write_page_checksum=True)
     except OSError as error:
         shutil.rmtree(folder, ignore_errors=True)
         index.remarks.append(f"the index is not kept: {folder} cannot be written ({error.strerror})")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -360,3 +361,19 @@ def read_fault_table(folder: Path) -> dict[str, Any] | None:
     :raises InputError: as :func:`read_certificate`.
     """
     return _read(folder / FAULT_TABLE, _FaultTable, "what railhil faults has written")
+
+
+def fault_entries_missing(document: Mapping[str, Any]) -> list[str]:
+    """Entries of a fault table that its command was stopped before."""
+    done = {row["entry"] for row in document["rows"]}
+    return [key for key in document.get("entries", ()) if key not in done]
+
+
+def fault_table_verdict(document: Mapping[str, Any]) -> str:
+    """PASS, FAIL if a reaction is not as it must be or a pair breaks a rule, or INVALID if nothing was run or the
+    command was stopped."""
+    pairs = document.get("pairs", ())
+    if any(one["failures"] for one in (*document["rows"], *pairs)):
+        return "FAIL"
+    made = any(row["verdict"] for row in document["rows"])
+    return "PASS" if (made and not fault_entries_missing(document)) or pairs else "INVALID"

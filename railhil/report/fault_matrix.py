@@ -18,7 +18,7 @@ from railhil.common.errors import InputError, Words
 from railhil.faults.language import parse
 from railhil.judge.reactions.catalogue import ENDS
 from railhil.judge.reactions.evaluate import Row
-from railhil.record.documents import FAULT_TABLE, read_fault_table
+from railhil.record.documents import FAULT_TABLE, fault_entries_missing, fault_table_verdict, read_fault_table
 from railhil.record.hash_list import check_hash_list
 from railhil.report.templates import address_of, render_page, write_html
 
@@ -47,14 +47,12 @@ class Table:
     @property
     def missing(self) -> list[str]:
         """Entries that the command was stopped before."""
-        return [key for key in self.document.get("entries", ()) if key not in {row.entry.id for row in self.rows}]
+        return fault_entries_missing(self.document)
 
     @property
     def verdict(self) -> str:
         """PASS, FAIL, or INVALID if nothing was run or the command was stopped."""
-        if any(row.failures for row in self.rows) or self.broken:
-            return "FAIL"
-        return "PASS" if (self.made and not self.missing) or self.pairs else "INVALID"
+        return fault_table_verdict(self.document)
 
     @property
     def pairs(self) -> Sequence[Mapping[str, Any]]:

@@ -8,7 +8,7 @@ import pytest
 
 from hil_tests.support.run_folders import write_run
 from railhil.common.errors import InputError
-from railhil.index.query import answer
+from railhil.index.query import answer, rows_of
 from railhil.index.tables import SCHEMAS, Index, open_index
 
 
@@ -51,3 +51,17 @@ def test_other_files_and_wrong_statements_are_refused_in_a_line(index: Index, tm
         answer(index, statement.format(path))
     assert "\n" not in str(refused.value)
     assert {one.name for one in tmp_path.iterdir()} == {"a", "b", "secret", ".railhil-index"}
+
+
+def test_columns_of_one_name_keep_their_values_apart(index: Index) -> None:
+    found = rows_of(
+        answer(index, "select a.folder, b.folder, 1 as folder_2 from runs a join runs b on a.folder < b.folder")
+    )
+    assert [[*row.values()] for row in found] == [["a", "b", 1]]
+    assert len(found[0]) == 3
+
+
+@pytest.mark.parametrize("value", ["timestamp '290000-01-01'", "'infinity'::timestamp", "date '0044-01-01 (BC)'"])
+def test_an_instant_that_python_does_not_have_is_refused(index: Index, value: str) -> None:
+    with pytest.raises(InputError, match="SQL"):
+        rows_of(answer(index, f"select {value}"))

@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.support.run_folders import write_run
 from railhil.common.errors import InputError
-from railhil.index.show import all_rows, as_json, check_key, chosen, groups, in_order, instant
+from railhil.index.show import all_rows, as_json, check_key, chosen, doubts, groups, in_order, instant
 from railhil.index.tables import Index, open_index
 
 NOW = datetime(2026, 11, 28, 12, tzinfo=UTC)
@@ -33,7 +33,7 @@ def index(tmp_path: Path) -> Index:
     ],
 )  # fmt: skip
 def test_rows_are_chosen_by_patterns_of_their_values(index: Index, where: dict[str, str], found: str) -> None:
-    assert "".join(row["folder"][-1] for row in chosen(all_rows(index), where)) == found
+    assert "".join(row["folder"][-1] for row in chosen(all_rows(index), where.items())) == found
 
 
 @pytest.mark.parametrize(
@@ -75,3 +75,31 @@ def test_a_document_has_only_what_the_folder_has(index: Index) -> None:
     assert first["made"] == "2026-11-01T00:00:00+00:00"
     assert None not in first.values()
     assert "requirement" not in first
+
+
+def test_conditions_of_one_key_hold_together(index: Index) -> None:
+    where = [("verdict", "*A*"), ("verdict", "F*")]
+    assert [row["folder"][-1] for row in chosen(all_rows(index), where)] == ["b"]
+
+
+def test_the_date_of_a_run_is_that_of_its_recording_and_another_one_is_told(tmp_path: Path) -> None:
+    recorded = {"utc": "2026-11-02T03:04:05+00:00", "host": "h", "operator": "o"}
+    write_run(tmp_path / "20261128T000000Z-copied", recorded=recorded)
+    write_run(tmp_path / "20261101T000000Z-named")
+    write_run(tmp_path / "20261399T000000Z-digits")
+    rows = {row["folder"][17:]: row for row in all_rows(open_index(tmp_path))}
+    assert {name: row["dated_by"] for name, row in rows.items()} == {
+        "copied": "certificate", "named": "name", "digits": "file",
+    }  # fmt: skip
+    assert rows["copied"]["made"].isoformat() == "2026-11-02T03:04:05+00:00"
+    (said,) = doubts([*rows.values()])
+    assert said.startswith("~ ")
+    assert "digits" in said
+    assert "named" not in said
+
+
+def test_a_folder_that_is_checked_against_nothing_is_told(tmp_path: Path) -> None:
+    write_run(tmp_path / "20261101T000000Z-old", hash_list=None)
+    (tmp_path / "20261101T000000Z-old" / "SHA256SUMS").unlink()
+    (said,) = doubts(all_rows(open_index(tmp_path)))
+    assert said == "1 folder without SHA256SUMS, checked against nothing: 20261101T000000Z-old"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sys
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from hil_tests.support.run_folders import write_run
@@ -14,6 +16,7 @@ from railhil.common.errors import InputError
 from railhil.index.find import INDEX, find_folders
 from railhil.index.show import Row, all_rows
 from railhil.index.tables import open_index
+from railhil.record.hash_list import write_hash_list
 
 _REACTION = {
     "begun_s": 1.0, "effective_s": 1.5, "detected_by": "", "detected_s": None, "reaction": "NORMAL", "reaction_s": None,
@@ -187,3 +190,101 @@ def test_a_directory_that_cannot_be_written_has_an_index_all_the_same(runs: Path
 def test_links_are_not_followed(runs: Path) -> None:
     (runs / "loop").symlink_to(runs)
     assert len(_rows(runs)) == 2
+
+
+def test_an_edit_that_keeps_size_and_date_of_a_document_is_seen(runs: Path) -> None:
+    open_index(runs)
+    path = runs / "one" / "score.json"
+    before = path.stat()
+    path.write_text(path.read_text().replace("0.1", "0.2", 1))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert "a file that nobody changed" in _rows(runs)["one"]["problem"]
+
+
+def test_a_score_without_a_line_in_the_list_has_no_result(runs: Path) -> None:
+    path = runs / "one" / "SHA256SUMS"
+    path.write_text("".join(line for line in path.read_text().splitlines(keepends=True) if "score.json" not in line))
+    found = _rows(runs)["one"]
+    assert "has no line of score.json" in found["problem"]
+    assert found["verdict"] is None
+
+
+@pytest.mark.parametrize(
+    ("document", "key", "value"),
+    [("certificate.json", "seed", 10**30), ("certificate.json", "command", "\ud800"), ("score.json", "why", [7]),
+     ("score.json", "requirements", [{"id": "A", "says": "x", "verdict": "kept", "margin": 10**400}]),
+     ("certificate.json", "recorded", {"utc": "0001-01-01T00:00:00+14:00", "host": "", "operator": ""})],
+)  # fmt: skip
+def test_a_value_that_no_column_holds_ends_no_index(runs: Path, document: str, key: str, value: object) -> None:
+    path = runs / "one" / document
+    path.write_text(json.dumps(json.loads(path.read_text()) | {key: value}))
+    write_hash_list(runs / "one")
+    found = _rows(runs)
+    assert "other keys or values" in found["one"]["problem"]
+    assert found["one"]["verdict"] is None
+    assert found["deep/er/two"]["verdict"] == "FAIL"
+
+
+def test_no_score_stands_for_a_fact(runs: Path) -> None:
+    write_run(runs / "one", scores={"folder": 1.0, "seed": 2.0, "stop_error_m": 0.1})
+    assert (_rows(runs)["one"]["seed"], _rows(runs)["one"]["stop_error_m"]) == (0, 0.1)
+
+
+def test_names_and_links_that_cannot_be_read_hide_no_other_folder(runs: Path) -> None:
+    (runs / "report.html").symlink_to("nowhere")
+    write_run(runs / "bad")
+    os.rename(os.fsencode(runs / "bad"), os.fsencode(runs) + b"/bad\xff")
+    write_run(runs / 'a\nb<script>"%s ü')
+    index = open_index(runs)
+    assert {row["folder"] for row in all_rows(index)} == {"one", "deep/er/two", 'a\nb<script>"%s ü'}
+    assert any("bad\\udcff is left out" in said for said in index.remarks)
+    assert any("report.html cannot be read" in said for said in index.remarks)
+
+
+def test_folders_may_be_nested_deeper_than_calls(runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    depth = sys.getrecursionlimit() + 100
+    with monkeypatch.context() as moved:
+        moved.chdir(runs)
+        for _ in range(depth):
+            os.mkdir("n")
+            os.chdir("n")
+        try:
+            assert len(find_folders(runs)[0]) == 2
+        finally:
+            # Neither shutil nor pytest removes what is nested so deep.
+            for _ in range(depth):
+                os.chdir("..")
+                os.rmdir("n")
+
+
+@pytest.mark.parametrize(
+    ("changed", "verdict", "said"),
+    [
+        ({"entries": ["S1"]}, "PASS", "1 entry, all as they must be"),
+        ({"entries": ["S1", "S2"]}, "INVALID", "stopped before S2"),
+        ({"rows": [], "pairs": [{"number": 1, "faults": ["a", "b"], "verdict": "FAIL", "failures": ["x"]}]}, "FAIL",
+         "1 random pair, 1 break a rule"),
+    ],
+)  # fmt: skip
+def test_a_table_of_faults_that_was_stopped_or_whose_pairs_break_a_rule_is_no_pass(
+    tmp_path: Path, changed: dict[str, object], verdict: str, said: str
+) -> None:
+    (tmp_path / "faults").mkdir()
+    row = _REACTION | {"entry": "S1"}
+    (tmp_path / "faults" / "faults.json").write_text(json.dumps({"scenario": "s", "rows": [row]} | changed))
+    found = _rows(tmp_path)["faults"]
+    assert found["verdict"] == verdict
+    assert said in found["line"]
+
+
+def test_a_changed_byte_in_the_rows_of_a_kept_index_is_seen(runs: Path) -> None:
+    wanted = [row | {"is_new": False} for row in _rows(runs).values()]
+    table = runs / INDEX / "folders.parquet"
+    good = table.read_bytes()
+    with pq.ParquetFile(table) as file:
+        group = file.metadata.row_group(0)
+        columns = [group.column(place) for place in range(group.num_columns)]
+        pages = [at for one in columns for at in (one.data_page_offset + one.total_compressed_size // 2,)]
+    for at in pages:
+        table.write_bytes(good[:at] + bytes([good[at] ^ 1]) + good[at + 1 :])
+        assert [row | {"is_new": False} for row in _rows(runs).values()] == wanted

@@ -7,6 +7,8 @@
   const count = data.columns.folder.rows.length;
   const value = (name, row) => { const column = data.columns[name] ?? data.scores[name]; return column ? column.values[column.rows[row]] : null; };
   const day = seconds => new Date(1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+  // A date that is only that of a file is no date of a record.
+  const when = row => (value("dated_by", row) === "file" ? "~" : "") + day(value("made", row));
   const link = folder => data.links + folder.split("/").map(encodeURIComponent).join("/");
   const text = one => one == null ? "" : Array.isArray(one) ? one.join("; ") : String(one);
   const median = values => { const sorted = [...values].sort((one, other) => one - other), half = sorted.length >> 1;
@@ -128,7 +130,7 @@
     one.append(make("td", {}, canBe ? box : ""));
     for (const name of names) {
       const cell = make("td", {className: name === "seed" ? "number" : name});
-      cell.append(...(name === "folder" ? place(row) : name === "made" ? [day(value("made", row))] : name === "verdict" ? [badge(value(name, row))] : [text(value(name, row))]));
+      cell.append(...(name === "folder" ? place(row) : name === "made" ? [when(row)] : name === "verdict" ? [badge(value(name, row))] : [text(value(name, row))]));
       one.append(cell);
     }
     for (const criterion of scores) {
@@ -199,7 +201,7 @@
     table.tHead.replaceChildren(make("tr", {}, ...["what", ...folders, "difference"].map(textContent => make("th", {scope: "col", textContent}))));
     const add = (title, one, other, difference = "") => body.push(make("tr", {}, make("th", {scope: "row", textContent: title}),
       ...[one, other, difference].map(textContent => make("td", {textContent}))));
-    const show = (name, row) => { const one = value(name, row); return name === "made" ? day(one) : typeof one === "number" ? shown(one) : text(one); };
+    const show = (name, row) => { const one = value(name, row); return name === "made" ? when(row) : typeof one === "number" ? shown(one) : text(one); };
     for (const name of FACTS) {
       if (name === "parameters") continue;
       const [one, other] = [show(name, a), show(name, b)];
