@@ -212,6 +212,7 @@ def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp
     (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     words = ["run", tmp_path / "short.toml", "--panel", "0", "--wait", "--out", tmp_path / "run"]
     page = chromium.new_page()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     with started(tmp_path / "output.txt", *words) as (process, address):
         page.goto(address)
         for _ in range(2):
@@ -222,10 +223,17 @@ def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp
                 page.click("#end a")
             opened.value.wait_for_selector("h1", timeout=WAIT_MS)
             opened.value.close()
+            page.click("#end .copied button >> nth=0")
+            said(page, "#end .copied button", "copied")
+            assert page.evaluate("navigator.clipboard.readText()") == page.inner_text("#end .copied code >> nth=0")
             page.click("[data-end=stay]")
             page.wait_for_selector("#end .next span:empty", state="attached", timeout=WAIT_MS)
             everybody_can_read_the_end(page)
+            page.press("#instant", "ArrowLeft")
+            page.wait_for_selector("#live:visible", timeout=WAIT_MS)
             page.click("[data-end=next]")
+            # An instant of one run is none of the next.
+            page.wait_for_selector("#live", state="hidden", timeout=WAIT_MS)
         page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
         assert not page.is_visible("#end")
         process.terminate()

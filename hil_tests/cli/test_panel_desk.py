@@ -126,6 +126,14 @@ def test_arrow_keys_go_from_sample_to_sample(page: Any, recorded: Path) -> None:
     assert float(page.inner_text("#at").split()[0]) == 0.0
 
 
+def test_beyond_the_end_of_a_run_there_is_no_instant(page: Any) -> None:
+    end_s = page.inner_text("#at")
+    page.evaluate("location.hash = '#t=99999'")
+    until(page, "location.hash === '#t=99999'")
+    page.wait_for_timeout(200)
+    assert page.inner_text("#at") == end_s
+
+
 def test_a_tile_is_dragged_hidden_kept_and_taken_to_another_browser(page: Any, chromium: Any, address: str) -> None:
     assert page.evaluate(_TILES)[0] == "line"
     box = page.locator("[gs-id=line] .handle h2").bounding_box()

@@ -171,8 +171,10 @@ class PanelBeside(Observer):
             self._port = self._socket.port or self._port
         # The page of the run before.
         self._held.close()
+        process = None
         path = self._operator or self._held.enter_context(make_private_socket())
         socket = self._socket = self._held.enter_context(PanelSocket(path))
+        socket.scenario = plan.scenario.name
         if self._port is not None:
             apart = set() if plan.spec.is_realtime else nodes_processor()[1]
             words = self._words(plan, path)
@@ -181,7 +183,7 @@ class PanelBeside(Observer):
         plan = replace(plan, panel=socket)
         if plan.spec.start_up.waits:
             paced = self._port is not None and not plan.spec.is_realtime
-            plan = _wait_for_start(socket, replace(plan, pace=_WAITED_PACE if paced else 0.0))
+            plan = _wait_for_start(socket, replace(plan, pace=_WAITED_PACE if paced else 0.0), process)
         yield plan
 
     def _words(self, plan: Plan, path: Path) -> list[str]:
@@ -285,10 +287,16 @@ def panel_process(
             process.wait()
 
 
-def _wait_for_start(panel: PanelSocket, plan: Plan) -> Plan:
-    """Wait until Start is pressed; returns the run with the faults and the pace that were chosen meanwhile."""
+def _wait_for_start(panel: PanelSocket, plan: Plan, process: subprocess.Popen[bytes] | None = None) -> Plan:
+    """Wait until Start is pressed; returns the run with the faults and the pace that were chosen meanwhile.
+
+    :param process: of the page; None: it is started apart.
+    :raises InputError: the page has ended, so nobody can press Start.
+    """
     lockstep = not plan.spec.is_realtime
     while True:
+        if process is not None and process.poll() is not None:
+            raise InputError("command line", "--wait", Words("a panel that has ended"), "one on which Start is pressed")
         state = {"faults": list(plan.scenario.faults), "lockstep": lockstep, "pace": plan.pace}
         panel.tell({"phase": "waiting", **state})
         for command in panel.take(_LOOK_S):

@@ -99,6 +99,8 @@ class PanelSocket:
         self._last: dict[str, Any] = {}
         # Commands that came before the first :meth:`take`.
         self._early: list[dict[str, Any]] = []
+        #: Name of the scenario of the run, for panels that were told of another one.
+        self.scenario = ""
         #: Port of the page, as the panel says; 0: not known.
         self.port = 0
         #: Number of open pages that may give orders, when the panel last said hello.
@@ -167,7 +169,7 @@ class PanelSocket:
     def tell(self, report: dict[str, Any]) -> None:
         """Send a report to every panel that has said hello."""
         if "phase" in report:
-            self._last = report
+            self._last = report = {**report, "scenario": self.scenario} if self.scenario else report
         for panel in list(self._panels):
             self._send(panel, report)
 

@@ -120,8 +120,9 @@ class LiveRun:
         frames = self.receiver.look()
         messages: list[str | bytes] = []
         if self._operator is not None and self._named is not None:
-            own = list(self._named.faults)
-            self._watched.has_further_faults = self._operator.report.get("faults", own) != own
+            report, named = self._operator.report, self._named
+            further = report.get("faults", list(named.faults)) != list(named.faults)
+            self._watched.has_further_faults = further and report.get("scenario", named.name) == named.name
         if self._watched.take(frames):
             self._show()
             messages += [json.dumps({"header": self.describe()}), *self.read_past()]
@@ -202,6 +203,8 @@ class LiveRun:
         if self._events is not None and (receiver.lacks_before or receiver.lacks_within):
             self._events.lose()
         if listener.run != self._run:
+            if self._operator is not None:
+                self._operator.forget_end()
             self._run, self._last_s, self._last = listener.run, -1.0, None
             self._history.clear()
             messages.append(encode_batch(REPLACE, 0, self._history.rows))

@@ -68,8 +68,8 @@ class LiveOrders:
         found = []
         # After a stop nothing is ordered any more.
         if command != self._command != SupCommand.STOP:
-            words = {SupCommand.NONE: "pause", SupCommand.START: "start again", SupCommand.STOP: "stop"}
-            found.append(self._add(time_s, ORDER, "operator", words.get(SupCommand(command), str(command))))
+            words: dict[int, str] = {SupCommand.NONE: "pause", SupCommand.START: "start again", SupCommand.STOP: "stop"}
+            found.append(self._add(time_s, ORDER, "operator", words.get(command, f"command {command}")))
             self._command = command
         if order == FaultOrder.INJECT:
             found.append(self._begin(number, time_s + self._tick_s, None))

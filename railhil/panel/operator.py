@@ -13,7 +13,8 @@ from typing import Any
 
 #: Wall time between two greetings; the supervisor reports to panels that have greeted it.
 _HELLO_S = 0.5
-_DATAGRAM_MAX = 16384
+#: A report has all faults of the run, the last one its command, too.
+_DATAGRAM_MAX = 1 << 17
 #: Commands that a page may send.
 COMMANDS = ("start", "pause", "stop", "pace", "inject", "clear", "fault", "next", "stay", "leave")
 
@@ -68,6 +69,11 @@ class Operator:
             else:
                 answers.append(document)
         return answers
+
+    def forget_end(self) -> None:
+        """Another run is heard: the end of the one before is not its own."""
+        if self.report.get("phase") == "ended":
+            self.report = {}
 
     def close(self) -> None:
         """Close the socket."""

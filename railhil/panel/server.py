@@ -1,6 +1,6 @@
 """The page's server: static files and one WebSocket, on loopback, in one thread.
 
-A page gets all news as long as it keeps up; otherwise rows are left out and counted.
+A page gets all news as long as it keeps up; otherwise everything so far once it has taken what it was sent.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 #: Largest number of batches a second; a reading costs about the same for few frames as for many.
 RATE_HZ = 10.0
-#: Bytes that may wait for a page; beyond it batches are left out.
+#: Bytes that may wait for a page; beyond it, and what it was sent of the past, news is left out.
 _BACKLOG_MAX_BYTES = 1 << 20
 _POLICY = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 #: Of a report, which has its own script and asks for nothing.
@@ -92,7 +92,10 @@ class Page:
 
     def __init__(self, connection: ServerConnection) -> None:
         self.connection = connection
-        self.left_out = 0
+        #: Whether news was left out because it did not keep up.
+        self.lags = False
+        #: Bytes that may wait for it.
+        self.backlog_max_bytes = _BACKLOG_MAX_BYTES
         self.watched: int | None = None
         self.shows_frames = False
         #: Whether it has shown the right token.
@@ -173,17 +176,30 @@ class PanelServer:
         pages = list(self._pages.values())
         for message in self._source.look():
             self._tell(message, pages)
+        for page in pages:
+            if page.lags and not page.connection.transport.get_write_buffer_size():
+                page.lags = False
+                self._tell_everything(page)
         showing = [page for page in pages if page.shows_frames]
         if showing and (text := self._source.list_frames()):
             self._tell(text, showing)
+
+    def _tell_everything(self, page: Page) -> None:
+        """Header and all data so far, at once: no news can come between them."""
+        header = self._source.describe()
+        header["commands"] = bool(self.token) and header.get("commands", False)
+        for message in (json.dumps({"header": header}), *self._source.read_past()):
+            broadcast([page.connection], message)
+        # A long run may itself be more than may wait.
+        page.backlog_max_bytes = _BACKLOG_MAX_BYTES + page.connection.transport.get_write_buffer_size()
 
     @staticmethod
     def _tell(message: str | bytes, pages: Sequence[Page]) -> None:
         """Send without waiting; the reading side notices a page that has gone."""
         takes = []
         for page in pages:
-            if isinstance(message, bytes) and page.connection.transport.get_write_buffer_size() > _BACKLOG_MAX_BYTES:
-                page.left_out += 1
+            if page.lags or page.connection.transport.get_write_buffer_size() > page.backlog_max_bytes:
+                page.lags = True
                 continue
             takes.append(page.connection)
         if takes:
@@ -251,11 +267,7 @@ class PanelServer:
             await connection.close(1002, f"subprotocol {SUBPROTOCOL} only")
             return
         page = Page(connection)
-        header = self._source.describe()
-        header["commands"] = bool(self.token) and header.get("commands", False)
-        await connection.send(json.dumps({"header": header}))
-        for message in self._source.read_past():
-            await connection.send(message)
+        self._tell_everything(page)
         self._pages[connection] = page
         try:
             async for text in connection:
@@ -288,7 +300,7 @@ class PanelServer:
         if not self.token:
             return {"refused": "this page takes no commands"}
         if not is_token(token, self.token):
-            return {"refused": "wrong token: open the address that the command has printed"}
+            return {"refused": "wrong token: open the address that the command has printed", "stale": True}
         page.may_order = True
         if asked.get("do") == "hello":
             return None

@@ -15,6 +15,7 @@ import pytest
 
 from railhil.bus.select import own_pipes
 from railhil.cli import panel as cli
+from railhil.common.errors import InputError
 from railhil.live.sockets import PanelSocket
 from railhil.panel.command import arguments
 from railhil.panel.operator import Operator
@@ -95,3 +96,25 @@ def test_the_panel_beside_a_run_judges_by_the_sentences_of_the_run(tmp_path: Pat
     spec = with_requirements(RunSpec("lvshun_tieshan"), [*files, "ato"])
     words = cli.PanelBeside(0, None, None)._words(Plan(spec, spec.load(), own_pipes(), tmp_path), tmp_path / "desk")
     assert arguments().parse_args(words).requirements == [*map(str, files), "ato"]
+
+
+def test_a_report_with_all_faults_of_a_long_list_arrives(tmp_path: Path) -> None:
+    faults = [f"TRN_SPEED loss {number % 100}% @manual for 5s expect 'the train stops'" for number in range(255)]
+    with PanelSocket(tmp_path / "desk") as desk:
+        operator = Operator(str(tmp_path / "desk"))
+        operator.greet()
+        desk.tell({"phase": "ended", "faults": faults, "rerun": " ".join(faults)})
+        operator.look()
+        desk.take(1.0)
+        operator.look()
+        assert operator.report["faults"] == faults
+        operator.close()
+
+
+def test_a_run_does_not_wait_for_the_start_button_of_a_page_that_has_ended(tmp_path: Path) -> None:
+    spec = RunSpec("lvshun_tieshan")
+    plan = Plan(spec, spec.load(), own_pipes(), tmp_path)
+    with PanelSocket(tmp_path / "desk") as desk, subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+        with pytest.raises(InputError, match="--wait: a panel that has ended, expected one on which Start is pressed"):
+            cli._wait_for_start(desk, plan, process)

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hil_tests.support.panel import Recorded, ScriptedLink
+from railhil.bus.codes import SupCommand
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
+from railhil.bus.telegrams import SupCmd
 from railhil.cli.run_identity import RunIdentity
 from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
 from railhil.panel.bus_statistics import BusStatistics
 from railhil.panel.layout import ERROR, HISTORY_ROWS_MAX, History, make_layout
 from railhil.panel.live import LiveRun
+from railhil.panel.live_orders import LiveOrders
 from railhil.panel.operator import Operator
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows
+from railhil.record.trace import Trace
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import names, system_named
 
@@ -220,3 +225,37 @@ def test_a_run_with_faults_of_the_operator_is_no_other_scenario(run: Recorded) -
         found += [bool(one["state"]["notices"]) for one in told if "state" in one]
         assert live.layout.target >= 0 if faults else live.layout.target == -1
     assert found == [True, False]
+
+
+def test_the_verdict_of_a_run_is_not_that_of_the_next_one(run: Recorded) -> None:
+    """As when the next run is started without --operator: nobody tells of its end."""
+    operator = Operator("nowhere")
+    links = ScriptedLink(run.frames[:2000], [], [], run.frames[:2000])
+    live = LiveRun(RunIdentity(run.scenario), Receiver({}, lambda config, name: links), operator)
+    live.look()
+    operator.report = {"phase": "ended", "verdict": "PASS"}
+    live.look()
+    assert operator.report["verdict"] == "PASS"
+    live.look()
+    assert operator.report == {}
+
+
+def test_another_scenario_with_faults_of_the_operator_is_not_shown_as_the_named_one(run: Recorded) -> None:
+    """Its target and its line would be values that the run does not have."""
+    operator = Operator("nowhere")
+    operator.report = {"phase": "ended", "scenario": run.scenario.name, "faults": ["safety_loop off @manual"]}
+    receiver = Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], []))
+    live = LiveRun(RunIdentity(load_any("yizhuang_05")), receiver, operator)
+    live.look()
+    assert live.layout.target == -1
+
+
+def test_a_command_that_is_none_does_not_end_the_panel(run: Recorded) -> None:
+    trace = Trace(run.contract)
+    for life, command in enumerate((SupCommand.START, 7)):
+        trace.add(SupCmd.PORT, life * 160_000_000, SupCmd(command=command, life=life).encode())
+
+    def add(time_s: float, kind: str, source: str, text: str) -> dict[str, Any]:
+        return {"text": text}
+
+    assert LiveOrders(list, add, 0.01).find(trace, 0.3) == [{"text": "command 7"}]

@@ -345,3 +345,70 @@ def test_what_is_nested_too_deeply_is_refused_in_one_line_and_its_sender_too(cap
 
     assert served(visit).commands == []
     assert not [record for record in caplog.records if record.exc_info]
+
+
+def test_a_page_that_did_not_keep_up_gets_everything_once_it_has_caught_up(monkeypatch):
+    """Rows of another run behind those of the last one would be values that no record has."""
+    monkeypatch.setattr(server_module, "_BACKLOG_MAX_BYTES", 1000)
+    past: list[str | bytes] = ["{}"]
+    news: list[str | bytes] = []
+
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        source.read_past = lambda: list(past)  # type: ignore[method-assign]
+        source.look = lambda: [news.pop()] if news else []  # type: ignore[method-assign]
+        async with page(panel) as connection:
+            assert "header" in json.loads(await connection.recv())
+            assert await connection.recv() == "{}"
+            (shown,) = panel._pages.values()
+            monkeypatch.setattr(shown.connection.transport, "get_write_buffer_size", lambda: 10_000)
+            news.append(encode_batch(APPEND, 0, np.zeros((1, 2))))
+            panel.tell_news()
+            monkeypatch.undo()
+            # The rows that were left out are in the past now; no further one comes before it.
+            past[0] = "past"
+            news.append("news")
+            panel.tell_news()
+            assert "header" in json.loads(await connection.recv())
+            assert await connection.recv() == "past"
+            news.append("later")
+            panel.tell_news()
+            assert await connection.recv() == "later"
+
+    served(visit)
+
+
+def test_no_news_comes_between_the_past_and_the_first_batch_of_a_page():
+    """A page that came while much was sent missed what was heard meanwhile, without a gap in its curves."""
+    count = 50
+
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        heard: list[str | bytes] = []
+
+        def look() -> list[str | bytes]:
+            heard.append(f"{len(heard)} {'x' * 100_000}")
+            return heard[-1:]
+
+        source.read_past = lambda: list(heard)  # type: ignore[method-assign]
+        source.look = look  # type: ignore[method-assign]
+        for _ in range(count):
+            look()
+        async with page(panel) as connection:
+            for _ in range(5):
+                panel.tell_news()
+                await asyncio.sleep(0.01)
+            await connection.recv()
+            found = [
+                int(str(await asyncio.wait_for(connection.recv(), 20)).partition(" ")[0]) for _ in range(len(heard))
+            ]
+            assert found == [*range(len(heard))]
+
+    served(visit)
+
+
+def test_a_page_with_the_token_of_another_command_is_told_that_it_only_watches():
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        async with page(panel) as connection:
+            assert (await asked(connection, {"do": "hello", "token": "of the run before"}))["stale"]
+            assert "stale" not in await asked(connection, {"do": "fail", "token": TOKEN})
+
+    served(visit)

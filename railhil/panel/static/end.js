@@ -4,12 +4,18 @@ import { element } from "./gauges.js";
 const SIGNS = { PASS: "✓", FAIL: "✕" };
 
 function copied(text, label) {
-  const row = element("span", { class: "copied" }), button = element("button", { type: "button", "aria-label": `copy: ${label}` }, "copy");
+  const row = element("span", { class: "copied" }), code = element("code", {}, text), button = element("button", { type: "button", "aria-label": `copy: ${label}` }, "copy");
   button.addEventListener("click", async () => {
-    await navigator.clipboard.writeText(text);
-    button.textContent = "copied";
+    try {
+      await navigator.clipboard.writeText(text);
+      button.textContent = "copied";
+    } catch {
+      // A browser may refuse: it is ready to be copied with the keys.
+      getSelection().selectAllChildren(code);
+      button.textContent = "selected";
+    }
   });
-  row.append(`${label} `, element("code", {}, text), " ", button);
+  row.append(`${label} `, code, " ", button);
   return row;
 }
 

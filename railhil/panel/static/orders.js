@@ -3,6 +3,8 @@ import { FaultForm } from "./fault_form.js";
 import { element } from "./gauges.js";
 
 const byId = (id) => document.getElementById(id);
+// Where the tab keeps the token.
+export const TOKEN = "railhil-token";
 const EMERGENCY = "safety_loop off";
 // What railhil run --catalogue has prepared.
 const CATALOGUED = / @manual .*\bcombine id (\S+)$/;
@@ -39,6 +41,13 @@ export class Orders {
     // Who has the token is at the desk: the end of the run waits for this page.
     if (header.commands && this.token) this.send({ token: this.token, do: "hello" });
     if (!this.token) byId("answer").textContent = "○ this page watches: orders need the address that the command has printed";
+  }
+
+  // The token is that of another command: this page watches.
+  forget() {
+    sessionStorage.removeItem(TOKEN);
+    this.token = "";
+    this.show(this.operator);
   }
 
   // said: what the page says when the order is taken.

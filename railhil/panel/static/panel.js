@@ -2,7 +2,7 @@
 import { Store } from "./store.js";
 import { Curves } from "./curves.js";
 import { End } from "./end.js";
-import { Orders } from "./orders.js";
+import { Orders, TOKEN } from "./orders.js";
 import { Desk } from "./desk.js";
 import { Line } from "./line.js";
 import { showRequirements } from "./requirements.js";
@@ -23,11 +23,11 @@ const page = {
 function readHash() {
   const hash = new URLSearchParams(location.hash.slice(1));
   if (hash.get("token")) {
-    sessionStorage.setItem("railhil-token", hash.get("token"));
+    sessionStorage.setItem(TOKEN, hash.get("token"));
     hash.delete("token");
     history.replaceState(null, "", hash.size ? `#${hash}` : location.pathname);
   }
-  orders.token = sessionStorage.getItem("railhil-token") ?? "";
+  orders.token = sessionStorage.getItem(TOKEN) ?? "";
   const instant = Number.parseFloat(hash.get("t") ?? "");
   return Number.isFinite(instant) ? instant : null;
 }
@@ -81,6 +81,7 @@ function take(message) {
   if (message.branches) branches.take(message);
   if (message.learning) showLearning(message.learning);
   // Who asks for a branch has no other orders.
+  if (message.stale) orders.forget();
   if (message.refused) (page.header.branches ? branches : orders).say(message.refused);
   if (message.answer) orders.answer(message.answer);
 }
@@ -148,6 +149,8 @@ function takeBatch(buffer) {
   const [kind, run, rows, columns] = new Uint32Array(buffer, 0, 4);
   if (kind !== APPEND && kind !== REPLACE) return;
   page.stores[run].take(kind === REPLACE, buffer, rows, columns);
+  // Another run begins: an instant of the one before is none of its own.
+  if (kind === REPLACE && !rows && page.picked !== null) pick(null);
   counters.batches += 1;
   counters.rows += rows;
   const told = toldNotes();
@@ -175,7 +178,8 @@ function show() {
     page.line.markers(page.events);
   }
   const end = Math.max(0, ...page.stores.map((store) => store.endS));
-  const instant = page.picked ?? end;
+  // Beyond the last row there is no value.
+  const instant = Math.min(page.picked ?? end, end);
   const rows = page.stores.map((store) => store.rowAt(instant + 1e-6));
   page.gauges.show(page.stores, rows);
   page.line.show(rows, page.lineSeen);
