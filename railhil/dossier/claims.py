@@ -146,8 +146,13 @@ def _order(run: Run) -> tuple[int, float, int]:
 
 
 def _is_supported(test: Test, by_number: Mapping[int, Evidence]) -> bool:
-    """Whether all runs of a test are here and check."""
-    return bool(test.runs) and not test.missing and not any(by_number[number].problems for number in test.runs)
+    """Whether all runs of a test are here and check, and the files that tell its outcome are as listed."""
+    return (
+        bool(test.runs)
+        and not test.missing
+        and not test.changed
+        and not any(by_number[number].problems for number in test.runs)
+    )
 
 
 def by_key(pairs: Iterable[tuple[Key, Item]]) -> dict[Key, list[Item]]:
@@ -205,6 +210,8 @@ def _missing(claim: Claim, by_number: Mapping[int, Evidence], verdict: str) -> I
             yield f"test {test.name}: {test.outcome}"
         elif test.result == PASSED and not test.runs:
             yield f"test {test.name}: none of its runs is here"
+        elif test.result == PASSED and test.changed:
+            yield f"test {test.name}: not as listed, and does not count: {', '.join(test.changed)}"
         elif test.result == PASSED and test.missing:
             yield f"test {test.name}: {count_of(test.missing, 'run')} of it not here"
         elif test.result == PASSED and (bad := [by_number[one] for one in test.runs if by_number[one].problems]):

@@ -107,6 +107,13 @@ class Dossier:
         if unsigned := [one for one in self.evidence if not one.signed]:
             count = f"{len(unsigned)} of {count_of(len(self.evidence), 'folder')}"
             yield f"{count} without a signature (who changes a file can write its hash, too): {named(unsigned)}"
+        tests = [test for one in self.claims for test in one.tests]
+        if unlisted := dict.fromkeys(name for test in tests for name in test.unlisted):
+            names = ", ".join(unlisted)
+            yield f"outcomes of tests in files that no list of hashes has (an edit is not noticed): {names}"
+        if uncounted := dict.fromkeys(test.name for test in tests if test.runs and not test.is_counted):
+            found = count_of(len(uncounted), "test")
+            yield f"{found} without a JUnit report: a table does not tell how many runs a test made, nor if one is gone"
         alike = by_key((said, one) for one in self.evidence for said in (*one.unchecked, *one.remarks))
         yield from (f"{named(items)}: {said}" for said, items in alike.items())
         if silent := [one for one in self.evidence if one.kind == RUN and one.verdict and not one.judged]:

@@ -84,6 +84,11 @@ class Evidence:
     published: tuple[str, Sequence[Any]] | None = field(default=None, repr=False)
 
     @property
+    def is_record(self) -> bool:
+        """Whether it is the folder of a run, finished or not."""
+        return any((self.folder / name).is_file() for name in (LOG_NAME, CERTIFICATE))
+
+    @property
     def name(self) -> str:
         """By which the dossier refers to it."""
         return f"E{self.number}"

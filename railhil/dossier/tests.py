@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_bytes, given_json, given_text, refuse_unreadable
 from railhil.dossier.evidence import Evidence
+from railhil.record.hash_list import changed_files, read_hash_list
 from railhil.testing.requirements import COLUMNS, FILE_NAME, PROPERTY, SAYS, folder_name, requirements
 
 #: What ``railhil doctor --json`` has printed.
@@ -43,7 +44,8 @@ class Test:
     """A test of a requirement: its id, its outcome, and the files that say so.
 
     ``shown``: what its runs have shown of the sentence. ``runs``: numbers of the evidence of its runs. ``missing``:
-    number of its runs that are not among the evidence.
+    number of its runs that are not among the evidence. ``changed``: the files that are not as the list of a folder
+    above them says; ``unlisted``: those in no list.
     """
 
     requirement: str
@@ -53,6 +55,13 @@ class Test:
     shown: Mapping[str, Any]
     runs: tuple[int, ...]
     missing: int
+    changed: tuple[str, ...] = ()
+    unlisted: tuple[str, ...] = ()
+
+    @property
+    def is_counted(self) -> bool:
+        """Whether one of its files tells how many runs it made: a table does not."""
+        return any(Path(name).name != FILE_NAME for name in self.files)
 
     @property
     def result(self) -> str:
@@ -62,10 +71,11 @@ class Test:
 
 def test_files(given: Sequence[Path], evidence: Iterable[Evidence]) -> Iterator[Path]:
     """The tables of requirements and the JUnit reports at and below the given folders, but those of runs."""
-    runs = {one.folder.resolve() for one in evidence}
+    # A list of hashes beside a table does not make its folder one of a run.
+    runs = {one.folder.resolve() for one in evidence if one.is_record}
     for folder in given:
         for path in sorted(folder.rglob("*")):
-            is_named = path.name == FILE_NAME or path.suffix == ".xml"
+            is_named = path.name == FILE_NAME or path.suffix.lower() == ".xml"
             if is_named and path.is_file() and path.resolve().parent not in runs:
                 yield path
 
@@ -80,7 +90,9 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
     names: dict[str, str] = {}
     found = {one.document.get("frames_sha256"): one.number for one in reversed(evidence)}
     # Tables have the ids of pytest, reports their own names of the same tests.
-    for path in sorted(files, key=lambda one: one.name != FILE_NAME):
+    places = sorted(files, key=lambda one: one.name != FILE_NAME)
+    listed = {str(path): _is_as_listed(path, evidence) for path in places}
+    for path in places:
         for outcome, test, properties in _of_table(path) if path.name == FILE_NAME else _of_junit(path):
             name = names.setdefault(_in_junit(test), test)
             reports.append((outcome, name, properties))
@@ -93,10 +105,27 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
             own.missing = max(own.missing, sum(value not in found for value in hashes))
     return [
         Test(one.name, test, outcome, tuple(runs[test].files), one.shown.get(test, {}),
-             tuple(sorted(runs[test].numbers)), runs[test].missing)
+             tuple(sorted(runs[test].numbers)), runs[test].missing,
+             *(tuple(name for name in runs[test].files if listed[name] is state) for state in (False, None)))
         for one in requirements(reports)
         for test, outcome in one.tests.items()
     ]  # fmt: skip
+
+
+def _is_as_listed(path: Path, evidence: Iterable[Evidence]) -> bool | None:
+    """Whether a file has the hash that the list of a folder of evidence above it has; None: no list has it."""
+    place = path.resolve()
+    for folder in (one.folder.resolve() for one in evidence):
+        if folder in place.parents:
+            name = place.relative_to(folder).as_posix()
+            try:
+                hashes = read_hash_list(folder) or {}
+            except InputError:
+                # The folder has this problem already.
+                return False
+            if name in hashes:
+                return not any(changed_files(folder, {name: hashes[name]}))
+    return None
 
 
 def _in_junit(name: str) -> str:

@@ -228,6 +228,34 @@ def test_a_passed_test_shows_its_requirement_if_its_runs_are_there_and_check(cop
     assert _verdicts(_of(run.parent))["T-1"] == NOT_SHOWN
 
 
+def test_outcomes_of_tests_in_no_list_are_told_and_an_edited_listed_file_does_not_count(copied: Copied) -> None:
+    runs = copied("kept", "test_a.test_b").parent
+    _table(runs, "T-1,PASSED,test_a.py::test_b,passed")
+    gaps = " ".join(_of(runs).gaps)
+    assert f"no list of hashes has (an edit is not noticed): {runs / 'requirements.csv'}" in gaps
+    assert "1 test without a JUnit report: a table does not tell how many runs" in gaps
+    write_hash_list(runs)
+    found = _of(runs)
+    assert _verdicts(found)["T-1"] == SHOWN
+    assert "no list of hashes has" not in " ".join(found.gaps)
+    _table(runs, "T-2,PASSED,test_a.py::test_b,passed")
+    found = _of(runs)
+    assert _verdicts(found)["T-2"] == NOT_SHOWN
+    assert "not as listed, and does not count" in " ".join(found.gaps)
+
+
+@pytest.mark.parametrize("name", ["requirements.csv", "junit.xml", "JUNIT.XML"])
+def test_a_failed_test_counts_beside_a_list_of_hashes_too(copied: Copied, name: str) -> None:
+    runs = copied("kept", "test_a.test_b").parent
+    if name == "requirements.csv":
+        _table(runs, "T-1,FAILED,test_a.py::test_b,failed")
+    else:
+        _junit(runs / name, '<failure message="no"/>', "T-1")
+    assert _verdicts(_of(runs))["T-1"] == VIOLATED
+    write_hash_list(runs)
+    assert _verdicts(_of(runs))["T-1"] == VIOLATED
+
+
 def test_requirements_of_a_list_without_a_sentence_rest_on_tests_or_are_gaps(copied: Copied, tmp_path: Path) -> None:
     listed = tmp_path / "train.reqif"
     rows = [("T-1", "It stops.", ""), ("T-2", "It is green.", ""), ("R-1", "Slow.", "never true_speed &gt; 20 km/h")]
