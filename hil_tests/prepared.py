@@ -16,9 +16,9 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from hil_tests.machines import docker_vm, tools
+from hil_tests.machines import docker_vm, kinds, tools
 from hil_tests.support.paths import ROOT
-from railhil.machines import debian, vcan_vm
+from railhil.machines import debian
 
 #: A short scenario of each system with compiled loops, and a law that is quickly made.
 BATCHES = {"yizhuang_05": "ipfc", "hst_short": "pid", "yizhuang_stop": "ilc_stop"}
@@ -55,7 +55,7 @@ def machines() -> None:
         tools.install_browser,
         lambda: docker_vm.build_image(ROOT),
         tools.install_can_tools,
-        vcan_vm.first_available,
+        kinds.first_available,
     ]
     for step in steps:
         try:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.machines import kinds
 from hil_tests.machines.bytecode import compile_by
 from hil_tests.support.cli import wait_for
 from railhil.machines import debian, namespace, vcan, vcan_vm
@@ -96,9 +97,9 @@ def test_a_kind_that_this_processor_cannot_have_gives_way_without_being_installe
         "a large one", USER_MODE.recipe, {"no-such-command": "no-such-package"}, lambda _: [], lambda: "too large"
     )
     yes = Kind("a small one", USER_MODE.recipe, {}, lambda _: [])
-    assert vcan_vm.first_available({"no": no, "yes": yes}) == "yes"
+    assert kinds.first_available({"no": no, "yes": yes}) == "yes"
     with pytest.raises(debian.CapabilityError, match=r"^a large one: too large$"):
-        vcan_vm.first_available({"no": no})
+        kinds.first_available({"no": no})
 
 
 @pytest.mark.parametrize(
@@ -115,7 +116,7 @@ def test_the_user_mode_kernel_is_not_tried_on_a_processor_with_tiles(flags, able
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_nothing_of_a_machine_outlives_the_command(tmp_path, number):
     try:
-        kind = vcan_vm.first_available()
+        kind = kinds.first_available()
     except debian.CapabilityError as error:
         pytest.skip(f"MISSING CAPABILITY virtual machine: {error}")
     if kind != "user-mode":

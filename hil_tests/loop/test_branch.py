@@ -24,7 +24,7 @@ from railhil.judge.record import Record, checked_record
 from railhil.run import no_return
 from railhil.run.branch import Trunk, branch, branch_straight, why_straight
 from railhil.run.make import record_run
-from railhil.run.no_return import NoReturn, ended_at, find_no_return, point_of_no_return
+from railhil.run.no_return import NoReturn, ended_at, find_no_return
 from railhil.run.spec import brought_controller
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -316,7 +316,7 @@ def test_a_run_that_its_faults_have_not_lost_is_told_none(short: RunSpec, tmp_pa
 def test_a_run_that_passes_has_no_point_of_no_return(short: RunSpec, tmp_path: Path) -> None:
     run = record_run(replace(short, out=tmp_path / "run"))
     assert run.verdict == "PASS"
-    assert point_of_no_return(checked_record(str(run.place), None)) is None
+    assert not no_return.no_return_sentence(checked_record(str(run.place), None))
     done = railhil("branch", run.place, "--no-return")
     assert (done.exit_code, "found 'PASS', allowed FAIL" in done.err) == (2, True)
 

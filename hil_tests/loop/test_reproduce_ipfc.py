@@ -15,8 +15,9 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from hil_tests.support.published import PUBLISHED_SHA256
+from hil_tests.support.reproduced import read_document
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, OPEN
-from railhil.reproduce.document import read_document, render_page, write_page
+from railhil.reproduce.document import render_page, write_page
 from railhil.reproduce.ipfc import PAPER, USUAL, list_laws
 from railhil.reproduce.measurement import measure_paper
 from railhil.reproduce.paper import Entry, Results

@@ -50,24 +50,6 @@ def ensure_machine(kind: Kind) -> VmImage:
     return ensure_image(kind.recipe)
 
 
-def first_available(kinds: Mapping[str, Kind] = KINDS) -> str:
-    """Name of the first kind of machine that this host can have, all of it installed; it may still not boot.
-
-    Raises:
-        CapabilityError: it can have none.
-        MachineError: a package is not as expected.
-    """
-    failures = []
-    for name, kind in kinds.items():
-        try:
-            ensure_machine(kind)
-        except debian.CapabilityError as error:
-            failures.append(f"{kind.said}: {error}")
-        else:
-            return name
-    raise debian.CapabilityError("; ".join(failures))
-
-
 def _quoted_command(command: Sequence[str], cwd: Path, environment: Mapping[str, str]) -> str:
     """Shell text that runs ``command`` in ``cwd`` with exactly ``environment``."""
     words = ["env", "-i", *(f"{name}={value}" for name, value in environment.items()), *command]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 from railhil.charts.figure import Figure
 from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.reproduce.comparison import Line, Table
-from railhil.reproduce.paper import Measurement, Paper, Results
+from railhil.reproduce.paper import Paper, Results
 
 PAGE, RESULTS, RUNS = "page.md", "results.json", "runs"
 #: Digits of a hash in a table; the document has all of them.
@@ -87,13 +87,6 @@ def _line(table: Table, line: Line) -> dict[str, Any]:
         "ratio": dict(zip(table.columns, line.ratios, strict=True)) if table.with_ratio else {},
         "remark": line.remark,
     }
-
-
-def read_document(found: Mapping[str, Any]) -> tuple[Results, list[Figure]]:
-    """The measured runs of a document made by :func:`make_document`, and its figures, both without their curves."""
-    runs = {run["run"]: Measurement.from_json(run["run"], run) for run in found["runs"]}
-    results = Results(tuple(found["seeds"]), runs, found["railhil"])
-    return results, [Figure(**one, charts=()) for one in found["figures"]]
 
 
 def render_parameters(paper: Paper, results: Results) -> dict[str, str]:

@@ -68,20 +68,8 @@ def no_return_sentence(record: Record) -> str:
         return f"the point of no return is not known: {error}"
 
 
-def point_of_no_return(record: Record) -> float | None:
-    """The last instant in s at which ending all faults still saves the run.
-
-    None: it is not lost, or ending its faults saves it at no instant.
-
-    :raises InputError: it cannot be repeated with the same bytes.
-    """
-    if record.verdict != "FAIL" or not _acting(record):
-        return None
-    return find_no_return(record).saved_s
-
-
 def find_no_return(record: Record, saves: Callable[[Result], bool] = is_saved, code: NamedCode = NO_CODE) -> NoReturn:
-    """:func:`point_of_no_return` by bisection over branches, with the number of branches.
+    """The last instant at which ending all faults still saves a run, by bisection over branches.
 
     :param saves: whether the result of a branch is one of a run that is saved.
     :param code: with which the run was made; its branches are then runs from the start.

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.paths import ROOT
+from hil_tests.support.reproduced import read_document
 from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
@@ -18,7 +19,6 @@ from railhil.reproduce.comparison import FOLLOWS_NOT, OPEN, Line, Table, find_le
 from railhil.reproduce.document import (
     format_seeds,
     make_document,
-    read_document,
     render_csv,
     render_page,
     render_parameters,
