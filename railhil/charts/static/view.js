@@ -6,6 +6,7 @@
    railhilView.readout(value, isPoint, {names, unit, within})   a value at the cursor; ≈: between two points of its curve
    railhilView.rooms([px, ...])      of names along lines from left to right: {room, right}: its side of the line
    railhilView.decimals(step)        of the numbers at an axis with this step
+   railhilView.before(xs, x, count)  how many of the first values are at or before x; xs ascending
 
    drawing: {
      element, surface,               what has the focus; what takes mouse and fingers
@@ -48,9 +49,9 @@ const railhilView = (() => {
     return found;
   }
 
-  // The number of values at or before x.
-  function before(xs, x) {
-    let low = 0, high = xs.length;
+  // The number of values at or before x, of the first `high` ones.
+  function before(xs, x, high = xs.length) {
+    let low = 0;
     while (low < high) { const half = low + high >> 1; if (xs[half] <= x) low = half + 1; else high = half; }
     return low;
   }

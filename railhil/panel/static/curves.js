@@ -44,10 +44,10 @@ export class Curves {
       if (!shown.length) continue;
       const title = charts.some((one) => one !== chart && one.title === chart.title) && chart.unit ? `${chart.title} (${chart.unit})` : chart.title;
       const series = this.runs.flatMap((run, which) => shown.map((at, place) => ({
-        label: labels(run, columns[at].label), unit: columns[at].unit, colour: this.colour(chart, at, place),
+        label: labels(run, columns[at].label), unit: columns[at].unit, colour: at === this.layout.target ? "target" : place % 7,
         // A unit of the train differs by its dashes, too.
         dash: DASHES[(many ? which : (/ (\d)$/.exec(columns[at].label)?.[1] ?? 1) - 1) % DASHES.length],
-        names: this.words(columns[at]), step: columns[at].kind === "note" || at === this.layout.command,
+        names: Object.values(columns[at].words), step: columns[at].kind === "note" || at === this.layout.command,
         end: shown.length * this.runs.length > 1 ? labels(run, shown.length > 1 ? columns[at].label : "").replace(/: $/, "") : undefined,
       })));
       this.add("chart", title, { title: chart.title, unit: chart.unit, x, series, sync: "panel" }, shown);
@@ -63,24 +63,11 @@ export class Curves {
     this.touch();
   }
 
-  colour(chart, at, place) {
-    if (at === this.layout.target) return "target";
-    return place % 7;
-  }
-
-  words(column) {
-    const words = Object.values(column.words);
-    return words.length ? words : undefined;
-  }
-
   add(kind, name, description, columns) {
     const places = this.runs.length > 1 ? this.runs.length * columns.length : columns.length;
     const empty = [[], ...Array.from({ length: places }, () => [])];
     const handle = railhilCharts[kind](this.host(name), { ...description, bare: true, height: "fill" }, empty);
-    handle.plot.over.addEventListener("click", (event) => {
-      const value = handle.plot.posToVal(event.offsetX, "x");
-      if (Number.isFinite(value)) this.onPick(this.timeOf(value));
-    });
+    pickBy(handle, (value) => this.onPick(this.timeOf(value)));
     this.eye.observe(handle.element);
     this.charts.push({ handle, columns, seen: false });
   }
@@ -121,36 +108,32 @@ export class Curves {
     for (const { handle, columns, seen } of this.charts) {
       if (!seen) continue;
       const [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
-      const tables = this.stores.map((store) => this.table(store, columns, low, high));
-      handle.setData(tables.length > 1 ? railhilCharts.join(tables) : tables[0]);
+      handle.setData(joined(this.stores.map((store) =>
+        tableOver(this.overDistance ? store.values[this.layout.position] : store.times, store, columns, low, high))));
     }
-  }
-
-  table(store, columns, low, high) {
-    const x = this.overDistance ? store.values[this.layout.position] : store.times;
-    return tableOver(x, store, columns, low, high);
   }
 }
 
 // The instant at which a run was at a position.
-export const timeAt = (store, column, position) => store.times[Math.min(place(store.values[column], store.rows, position), store.rows - 1)] ?? 0;
+export const timeAt = (store, column, position) => store.times[Math.min(railhilView.before(store.values[column], position, store.rows), store.rows - 1)] ?? 0;
+
+// A click on a chart chooses its x.
+export function pickBy({ plot }, onPick) {
+  plot.over.addEventListener("click", (event) => {
+    const value = plot.posToVal(event.offsetX, "x");
+    if (Number.isFinite(value)) onPick(value);
+  });
+}
+
+// Tables of rows, over the x of all of them.
+export const joined = (tables) => (tables.length > 1 ? railhilCharts.join(tables) : tables[0]);
 
 // The whole run over x, thinned, and less so between low and high.
 export function tableOver(x, store, columns, low, high) {
   const series = columns.map((at) => store.values[at]);
-  const begin = Number.isFinite(low) ? place(x, store.rows, low) : 0;
-  const end = Number.isFinite(high) ? place(x, store.rows, high) : store.rows;
+  const [begin, end] = [low, high].map((value) => railhilView.before(x, value, store.rows));
   const parts = [[0, begin, OUTSIDE], [begin, end, PARTS], [end, store.rows, OUTSIDE]]
     .filter(([from, to]) => to > from).map(([from, to, count]) => thinned(x, series, from, to, count));
   if (parts.length === 1) return parts[0];
   return [x, ...series].map((_, at) => parts.flatMap((part) => Array.from(part[at])));
-}
-
-function place(x, rows, value) {
-  let low = 0, high = rows;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (x[middle] < value) low = middle + 1; else high = middle;
-  }
-  return low;
 }

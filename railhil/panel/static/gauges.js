@@ -118,33 +118,34 @@ export function showLamps(place, lamps, states, names) {
   }));
 }
 
-export function showEvents(place, events, onPick) {
-  place.replaceChildren(...events.slice(-300).reverse().map((one) => {
-    const row = element("tr", { class: `rank${one.rank}`, tabindex: "0" });
-    row.append(element("td", { class: "n" }, one.time_s.toFixed(2)), element("td", {}, one.source), element("td", {}, one.text));
-    row.addEventListener("click", () => onPick(one.time_s));
-    row.addEventListener("keydown", (event) => { if (event.key === "Enter") onPick(one.time_s); });
-    return row;
+// A row of a table with cells of these classes, that is chosen by a click or by Enter.
+function rowOf(classes, choose) {
+  const row = element("tr", { tabindex: "0" });
+  row.append(...classes.map((name) => element("td", { class: name })));
+  row.addEventListener("click", () => choose(row));
+  row.addEventListener("keydown", (event) => { if (event.key === "Enter") choose(row); });
+  return row;
+}
+
+// The rows of a table, each an array of texts; rows that are there stay, with what a reader has chosen in them.
+export function fill(place, rows, classes, choose) {
+  while (place.childElementCount > rows.length) place.lastChild.remove();
+  while (place.childElementCount < rows.length) place.append(rowOf(classes, choose));
+  rows.forEach((cells, at) => cells.forEach((cell, which) => {
+    const box = place.children[at].children[which];
+    if (box.textContent !== String(cell)) box.textContent = cell;
   }));
 }
 
+export function showEvents(place, events, onPick) {
+  const shown = events.slice(-300).reverse();
+  fill(place, shown.map((one) => [one.time_s.toFixed(2), one.source, one.text]), ["n", "", ""], (row) => onPick(Number(row.dataset.at)));
+  shown.forEach((one, at) => { place.children[at].className = `rank${one.rank}`; place.children[at].dataset.at = one.time_s; });
+}
+
 export function showFrames(place, frames, chosen, onChoose) {
-  while (place.childElementCount > frames.length) place.lastChild.remove();
-  while (place.childElementCount < frames.length) {
-    const row = element("tr", { tabindex: "0" });
-    for (const name of ["hex", "", "n", "n", "n", "hex", ""]) row.append(element("td", { class: name }));
-    row.addEventListener("click", () => onChoose(Number(row.dataset.id)));
-    row.addEventListener("keydown", (event) => { if (event.key === "Enter") onChoose(Number(row.dataset.id)); });
-    place.append(row);
-  }
-  frames.forEach(([id, name, count, period, age, data, text], at) => {
-    const row = place.children[at];
-    row.dataset.id = id;
-    row.classList.toggle("chosen", id === chosen);
-    const cells = [id.toString(16).padStart(3, "0"), name, count, period === null ? "" : period.toFixed(0), age === null ? "" : age.toFixed(0), data, text];
-    cells.forEach((cell, place) => {
-      const was = row.children[place];
-      if (was.textContent !== String(cell)) was.textContent = cell;
-    });
-  });
+  fill(place, frames.map(([id, name, count, period, age, data, text]) => [id.toString(16).padStart(3, "0"), name, count,
+    period === null ? "" : period.toFixed(0), age === null ? "" : age.toFixed(0), data, text]),
+  ["hex", "", "n", "n", "n", "hex", ""], (row) => onChoose(Number(row.dataset.id)));
+  frames.forEach(([id], at) => { place.children[at].dataset.id = id; place.children[at].classList.toggle("chosen", id === chosen); });
 }

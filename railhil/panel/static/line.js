@@ -1,5 +1,5 @@
 // The line with its named places: speeds over it, what the scenario says of it, and the place of each train.
-import { DASHES, tableOver, timeAt } from "./curves.js";
+import { DASHES, joined, pickBy, tableOver, timeAt } from "./curves.js";
 
 export class Line {
   constructor(place, layout, runs, stores, onPick) {
@@ -20,10 +20,7 @@ export class Line {
         series: [...own.map((one, number) => ({ label: one.label, unit: one.unit, colour: number ? "fault" : 5,
           dash: [6, 3], step: one.is_step, filled: !series.length, end: series.length ? one.label : undefined })), ...series],
       }, [[], ...own.map(() => []), ...series.map(() => [])]);
-      handle.plot.over.addEventListener("click", (event) => {
-        const value = handle.plot.posToVal(event.offsetX, "x");
-        if (Number.isFinite(value)) onPick(timeAt(stores[0], position, value));
-      });
+      pickBy(handle, (value) => onPick(timeAt(stores[0], position, value)));
       this.charts.push({ handle, has: series.length, profiles: own.map(({ rows }) => [rows.map(([x]) => x), rows.map(([, y]) => y)]) });
     };
     // The first column lies above the others.
@@ -73,5 +70,3 @@ export class Line {
 
   destroy() { for (const { handle } of this.charts) handle.destroy(); }
 }
-
-const joined = (tables) => (tables.length > 1 ? railhilCharts.join(tables) : tables[0]);

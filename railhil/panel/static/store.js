@@ -46,14 +46,7 @@ export class Store {
   get endS() { return this.rows ? this.times[this.rows - 1] : 0; }
 
   // Last row at or before an instant; -1: none.
-  rowAt(timeS) {
-    let low = 0, high = this.rows;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] <= timeS) low = middle + 1; else high = middle;
-    }
-    return low - 1;
-  }
+  rowAt(timeS) { return railhilView.before(this.times, timeS, this.rows) - 1; }
 }
 
 // Smallest and largest value of each of `count` parts of an increasing x, two points a part; all series share the x.
