@@ -15,7 +15,8 @@ from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED
 from railhil.testing.requirements import FAILED, PASSED
 from railhil.testing.requirements import NOT_SHOWN as UNSHOWN
 
-Key, Item = TypeVar("Key"), TypeVar("Item")
+Key = TypeVar("Key")
+Item = TypeVar("Item")
 SHOWN, NOT_SHOWN, NONE = "shown", "not shown", "no evidence"
 _OTHER = "judged by another sentence"
 #: Numbers of folders that a sentence names; further ones are counted.

@@ -32,4 +32,6 @@ def folder_files(run: Record, out: Path) -> list[Link]:
     if not (run.folder / CERTIFICATE).is_file():
         return [(run.log.name, address_of(run.log, out))] if run.log.is_file() else []
     names = [name for name in listed_files(run.folder) if "/" not in name and name != REPORT]
-    return [(name, address_of(run.folder / name, out)) for name in (*names, HASH_LIST)]
+    # Folders of version 0.1.0 have no list.
+    names += [HASH_LIST] if (run.folder / HASH_LIST).is_file() else []
+    return [(name, address_of(run.folder / name, out)) for name in names]
