@@ -126,6 +126,18 @@ def test_arrow_keys_go_from_sample_to_sample(page: Any, recorded: Path) -> None:
     assert float(page.inner_text("#at").split()[0]) == 0.0
 
 
+def test_no_number_is_cut_off(page: Any) -> None:
+    until(page, "document.querySelector('[data-column=true_speed_mps]') !== null")
+    # A text of five characters in each place, as "10.50" has.
+    page.evaluate(
+        "document.querySelectorAll('.value b span:not(.words)').forEach(one => { one.textContent = '10.50'; })"
+    )
+    for width in (400, 1200, 2560):
+        page.set_viewport_size({"width": width, "height": 800})
+        cut = "[...document.querySelectorAll('.value b')].filter(one => one.scrollWidth > one.clientWidth)"
+        assert page.evaluate(f"{cut}.map(one => one.textContent)") == []
+
+
 def test_beyond_the_end_of_a_run_there_is_no_instant(page: Any) -> None:
     end_s = page.inner_text("#at")
     page.evaluate("location.hash = '#t=99999'")

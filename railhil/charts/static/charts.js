@@ -282,7 +282,8 @@ const railhilCharts = (() => {
     const words = description.series.length === 1 && !asTrack ? description.series[0].names : undefined;
     const names = words && Object.keys(words).length ? words : undefined;
     const yAxis = asTrack ? {...axis, size: AXIS_PX, values: () => [], grid: {show: false}, ticks: {show: false}}
-      : {...axis, size: AXIS_PX, gap: 3, ...(names && {values: (plot, splits) => splits.map(v => names[v] ?? ""), incrs: [1]})};
+      // Without a title the unit stands beside the axis.
+      : {...axis, size: AXIS_PX, gap: 3, ...(description.bare && description.unit && {label: description.unit, labelSize: 14, labelGap: 0}), ...(names && {values: (plot, splits) => splits.map(v => names[v] ?? ""), incrs: [1]})};
     chart.plot = new uPlot({
       width: Math.max(parent.clientWidth, 120), height,
       scales: {
