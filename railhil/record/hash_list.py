@@ -19,6 +19,7 @@ from typing import Any, Final, NamedTuple
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import DRAFTS, refuse_unreadable, whole_file, write_synced
+from railhil.record.documents import SCORE, SUMMARY
 from railhil.record.framelog import sha256_of
 from railhil.record.signature import HASH_LIST as HASH_LIST
 from railhil.record.signature import SIGNATURE as SIGNATURE
@@ -191,9 +192,15 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
 def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
     """As :func:`check_document`, for every file of the folder.
 
-    :raises InputError: as :func:`check_document`, and the first file that is not as listed or missing.
+    :raises InputError: as :func:`check_document`, a result that is not in the list, and the first file that is not as
+        listed or missing.
     """
-    for changed in changed_files(folder, check_document(folder, name, document)):
+    hashes = check_document(folder, name, document)
+    for result in (SCORE, SUMMARY):
+        if hashes and result not in hashes and (folder / result).is_file():
+            # Without its line an edit would not be noticed.
+            raise InputError(folder / HASH_LIST, "", Words(f"has no line of {result}"), "the hash of each result")
+    for changed in changed_files(folder, hashes):
         # A deleted page is no fault: it is made again from the other files.
         if not (changed.is_missing and changed.name == REPORT):
             raise changed.error(folder)
