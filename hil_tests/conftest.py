@@ -24,7 +24,7 @@ from railhil import cli
 from railhil.bench import Result, local_run
 from railhil.bus.select import vcan_available
 from railhil.common.version import full_version
-from railhil.dossier.tests import CODE, VERSION
+from railhil.dossier.junit import CODE, VERSION
 from railhil.judge.folder import code_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec

@@ -162,7 +162,7 @@ def test_kernel_that_knows_can_but_not_vcan_says_so(monkeypatch):
         (["--interfaces", "vcan0,vcan0", "--", "true"], "found 'vcan0,vcan0'"),
         (["--share", "/no/such", "--", "true"], "found /no/such, allowed: a folder that is there"),
         (["--via", "hope", "--", "true"], "found hope, allowed namespace, "),
-        (["--timeout", "0", "--", "true"], "found '0', allowed: 1 to 86400 s"),
+        (["--timeout", "0", "--", "true"], "found 0, allowed 1 to 86400 s"),
         (["--ram", "12", "--", "true"], "found 12, allowed 256..1048576"),
         (["--processors", "0", "--", "true"], "found 0, allowed 1..16"),
     ],

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from railhil.common.digits import count_of
 from railhil.dossier.evidence import Evidence, Judged, Searched, is_same
-from railhil.dossier.tests import Test
+from railhil.dossier.junit import Test
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import KEPT, OPEN, SILENT, VIOLATED

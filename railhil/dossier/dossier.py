@@ -13,7 +13,7 @@ from railhil.common.user_files import whole_file
 from railhil.common.version import full_version
 from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN, Claim, by_key, claims_of, named
 from railhil.dossier.evidence import DOSSIER, Evidence, folders_of, read_evidence
-from railhil.dossier.tests import Validation, read_tests, read_validation, test_files
+from railhil.dossier.junit import Validation, read_tests, read_validation, test_files
 from railhil.index.find import RUN
 from railhil.judge.requirements.lists import Result, write_results
 from railhil.judge.requirements.requirement import Requirement

@@ -125,7 +125,8 @@ class Instruments:
         self.shown = shown_columns(scenario, notes=notes)
         self._holds_s = holding_s(scenario, scenario.installed_system.contract)
         self._ends_at_m = self._judging.ends_at_m(scenario)
-        self._places = sorted(self._judging.places(scenario), key=lambda place: place.position)
+        named = (place for place in self._judging.places(scenario) if place.kind != "balise")
+        self._places = sorted(named, key=lambda place: place.position)
 
     def values(self, newest: Newest) -> dict[str, float]:
         """Values of the columns that are known now, in their display units; empty before the first telegram of the

@@ -79,7 +79,7 @@ OTHER_VARIABLES = frozenset(
     f"RAILHIL_{name}"
     for name in (
         *("PURE", "TRACEBACK", "COMPILED", "LABEL", "CACHE", "REQUIRE_ALL", "SAMPLE", "OPERATOR"),
-        *("SEEDS", "RUNS", "NO_CONTROLLER", "TARGET"),
+        *("SEEDS", "RUNS", "NO_CONTROLLER", "TARGET", "REQUIREMENTS"),
         *("UID", "GID", "COMPOSE", "BUILD_NETWORK", "VCAN_RUNS", "VCAN_CASES"),
     )
 )

@@ -22,8 +22,8 @@ from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.version import full_version
 from railhil.dossier.claims import NONE, NOT_SHOWN, SHOWN
 from railhil.dossier.dossier import Dossier, make_dossier
+from railhil.dossier.junit import read_validation
 from railhil.dossier.page import page
-from railhil.dossier.tests import read_validation
 from railhil.judge.folder import code_sha256
 from railhil.judge.requirements.requirement import named_requirements
 from railhil.judge.requirements.sentence import VIOLATED
