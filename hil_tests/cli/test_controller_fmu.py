@@ -182,6 +182,7 @@ def test_an_fmu_that_is_not_deterministic_is_said_to_be_so(folder: Path, mine: P
     assert (found["deterministic"], "two equal runs differ" in found["deterministic_why"]) == (False, True)
 
 
+@pytest.mark.long
 def test_a_rerun_needs_the_same_files(folder: Path, mine: Path) -> None:
     assert run(folder, "again", "--controller-fmu", mine, "--bus", "local").exit_code in (0, 1)
     assert command("rerun", folder / "again").exit_code == 2
@@ -217,6 +218,7 @@ def test_names_that_do_not_fit_are_refused(
     assert said in done.err
 
 
+@pytest.mark.long
 def test_a_step_that_does_not_divide_the_control_period_is_refused(folder: Path, tmp_path: Path) -> None:
     assert command("export-c", "ipfc", "--out", tmp_path / "e", "--fmu", "--fmi-version", "3.0").exit_code == 0
     fmu = tmp_path / "coarse.fmu"

@@ -304,6 +304,7 @@ def test_a_suite_with_a_target_runs_nothing_on_the_host_instead(short: Path, pyt
     done.stdout.fnmatch_lines(["*does not run on a board*"])
 
 
+@pytest.mark.long
 def test_target_qemu_says_size_log_instructions_and_the_estimate(short: Path, tmp_path: Path) -> None:
     assert railhil("export-c", "ipfc", short, "--out", tmp_path / "ipfc").exit_code == 0
     done = railhil("target", "qemu", tmp_path / "ipfc", short, "--board", "cortex_m3")

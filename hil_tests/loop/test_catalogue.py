@@ -93,6 +93,7 @@ def test_nothing_is_known_without_a_run(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "kept").iterdir() if path.is_dir()] == []
 
 
+@pytest.mark.long
 def test_most_random_pairs_have_a_verdict(tmp_path: Path) -> None:
     words = ("--pairs", "2", "--seed", "1", "--jobs", "2", "--json", "--out", tmp_path / "kept")
     done = railhil("faults", PAIRS, *words)

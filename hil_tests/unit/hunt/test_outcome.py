@@ -112,6 +112,7 @@ def test_bad_arguments_are_refused_in_the_words_of_the_call(arguments: dict[str,
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_test_that_hunts_tells_and_attaches_the_least_case(pytester: pytest.Pytester) -> None:
     write_short(pytester.path)
     pytester.makepyfile(
