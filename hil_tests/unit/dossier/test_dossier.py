@@ -52,8 +52,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "short.toml").write_text(RUN_2M_TOML)
     found = {}
     for name, text in (("kept", RULES), ("broken", BROKEN)):
-        (folder / f"{name}.toml").write_text(text)
-        sentences = folder / f"{name}.toml"
+        (sentences := folder / f"{name}.toml").write_text(text)
         railhil.run(folder / "short.toml", bus="local", requirements=sentences, out=folder / name)
         found[name] = folder / name
     return found

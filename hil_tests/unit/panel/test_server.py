@@ -8,88 +8,20 @@ import socket
 import struct
 import urllib.error
 import urllib.request
-from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from railhil.panel.operator import list_fault_kinds
 from railhil.panel.wire import APPEND, SUBPROTOCOL, encode_batch
 
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
+from hil_tests.support.panel_server import TOKEN, ScriptedSource, asked, page, served  # noqa: E402
 from railhil.panel import server as server_module  # noqa: E402
 from railhil.panel.server import PanelServer  # noqa: E402
 from railhil.panel.tcp_to_unix import open_gateway  # noqa: E402
-
-TOKEN = "right"
-
-
-class ScriptedSource:
-    """Shows nothing, notes commands."""
-
-    def __init__(self) -> None:
-        self.commands: list[dict[str, Any]] = []
-        self.watched: set[int] = set()
-        self.lists = 0
-        self.branches: Any = None
-        self.report: Path | None = None
-
-    def describe(self) -> dict[str, Any]:
-        return {"kind": "live"}
-
-    def read_past(self) -> list[str | bytes]:
-        return ["{}"]
-
-    def look(self) -> list[str | bytes]:
-        return []
-
-    def list_frames(self) -> str:
-        self.lists += 1
-        return json.dumps({"frames": self.lists})
-
-    def execute(self, command: dict[str, Any]) -> str:
-        self.commands.append(command)
-        return "" if command.get("do") != "fail" else "it cannot be"
-
-    def watch(self, can_ids: set[int]) -> None:
-        self.watched = can_ids
-
-    def list_kinds(self) -> list[dict[str, Any]]:
-        return list_fault_kinds(["TRN_SPEED loss @manual"])
-
-
-def served(visit: Callable[[PanelServer, ScriptedSource], Any], token: str = TOKEN) -> ScriptedSource:
-    """A server while ``visit`` (a coroutine function) is at it."""
-    source = ScriptedSource()
-
-    async def all_of_it() -> None:
-        panel = PanelServer(source, token, 0)
-        server = await panel.listen()
-        try:
-            await visit(panel, source)
-        finally:
-            server.close()
-            await server.wait_closed()
-
-    asyncio.run(all_of_it())
-    return source
-
-
-def page(panel: PanelServer, origin: str | None = None, subprotocol: str = SUBPROTOCOL) -> Any:
-    origin = origin or f"http://127.0.0.1:{panel.port}"
-    return websockets.connect(f"ws://127.0.0.1:{panel.port}/ws", origin=origin, subprotocols=[subprotocol])
-
-
-async def asked(connection: Any, document: Any) -> dict[str, Any]:
-    await connection.send(document if isinstance(document, str) else json.dumps(document))
-    while True:
-        answer = json.loads(await connection.recv())
-        if "refused" in answer or "done" in answer:
-            return dict(answer)
 
 
 @pytest.mark.parametrize(
