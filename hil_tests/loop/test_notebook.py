@@ -152,7 +152,9 @@ def test_a_campaign_shows_the_tables_of_the_terminal_and_the_distributions(
     assert tables[0] == "Scores"
     assert tables[-1] == "Against ipfc, run by run on the same seeds"
     charts = [one for one in tree.iter("svg") if one.get("role") == "img"]
-    assert len(charts) == len(found.criteria)
+    # A law whose runs lie in a small part of an axis has a chart of its own beside it.
+    laws = 2
+    assert len(found.criteria) <= len(charts) <= (1 + laws) * len(found.criteria)
     median = next(row for row in rows(tree) if row[1:3] == ["time error", "s"])[3]
     assert float(median) == pytest.approx(sorted(found.runs("ipfc")["punctuality_s"])[1], abs=1e-3)
     with pytest.raises(KeyError, match="did you mean ipfc_plus"):
