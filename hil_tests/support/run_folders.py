@@ -1,4 +1,4 @@
-"""Folders with the documents of a run, written without making it."""
+"""Folders of runs: documents written without making the run, and two short runs that are made."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from hil_tests.support.cli import Railhil
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.judge.events.event import COLUMNS, EVENTS
 from railhil.record.documents import CERTIFICATE, SCORE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
@@ -46,3 +48,11 @@ def write_run(
     (folder / CERTIFICATE).write_text(json.dumps(certificate))
     write_hash_list(folder)
     return folder
+
+
+def record_two_runs(here: Railhil, folder: Path) -> None:
+    """Record a short journey with the seeds 0 and 1 in ``folder/runs/0`` and ``folder/runs/1``."""
+    (folder / "short.toml").write_text(RUN_2M_TOML)
+    for seed in "01":
+        place = folder / "runs" / seed
+        here("run", folder / "short.toml", "--bus", "local", "--no-report", "--seed", seed, "--out", place)

@@ -13,8 +13,7 @@ import pytest
 
 from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.cli import Railhil
-from hil_tests.support.run_folders import write_run
-from hil_tests.support.short_runs import RUN_2M_TOML
+from hil_tests.support.run_folders import record_two_runs, write_run
 from railhil.index.curves import POINTS_MAX
 from railhil.index.page import page, write_page
 from railhil.index.tables import open_index
@@ -71,19 +70,7 @@ def test_a_page_elsewhere_leads_to_the_folders(runs: Path, tmp_path: Path) -> No
 
 @pytest.mark.slow
 def test_each_point_of_a_curve_is_a_row_of_the_record(here: Railhil, tmp_path: Path) -> None:
-    (tmp_path / "short.toml").write_text(RUN_2M_TOML)
-    for seed in "01":
-        here(
-            "run",
-            tmp_path / "short.toml",
-            "--bus",
-            "local",
-            "--no-report",
-            "--seed",
-            seed,
-            "--out",
-            tmp_path / "runs" / seed,
-        )
+    record_two_runs(here, tmp_path)
     data = _data(page(open_index(tmp_path / "runs"), ""))
     assert set(data["curves"]) == {"0", "1"}
     for folder, (time_s, speed) in data["curves"].items():

@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.cli import Railhil
-from hil_tests.support.run_folders import write_run
-from hil_tests.support.short_runs import RUN_2M_TOML
+from hil_tests.support.run_folders import record_two_runs, write_run
 from railhil.index.find import has_runs_below
 from railhil.panel.wire import SUBPROTOCOL
 
@@ -103,19 +102,7 @@ def test_a_run_that_cannot_be_shown_is_told_in_a_line(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_page_of_two_runs_has_an_address_with_their_values(here: Railhil, tmp_path: Path) -> None:
-    (tmp_path / "short.toml").write_text(RUN_2M_TOML)
-    for seed in "01":
-        here(
-            "run",
-            tmp_path / "short.toml",
-            "--bus",
-            "local",
-            "--no-report",
-            "--seed",
-            seed,
-            "--out",
-            tmp_path / "runs" / seed,
-        )
+    record_two_runs(here, tmp_path)
 
     async def visit(panel: IndexServer) -> None:
         status, address, _, text = await _get(panel, "/panel/open?run=0&run=1")
