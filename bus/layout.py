@@ -175,13 +175,27 @@ class Telegram:
         self.make_codec()
         return self.encode()
 
+    def misfits(self) -> Iterator[tuple[str, Signal, int]]:
+        """Field, signal and raw value of each value that does not fit."""
+        for name, entry in self.signals():
+            lowest, highest = entry.raw_range
+            if not lowest <= (value := getattr(self, name)) <= highest:
+                yield name, entry, value
+
     def misfit(self) -> OverflowError:
         """The error that names the first value that does not fit."""
+        name, entry, value = next(self.misfits())
+        lowest, highest = entry.raw_range
+        return OverflowError(f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}")
+
+    def limit(self) -> None:
+        """Set each value that does not fit to the nearer end of its signal's range, and the check variables to
+        erroneous."""
+        for name, entry, value in self.misfits():
+            setattr(self, name, min(max(value, entry.raw_range[0]), entry.raw_range[1]))
         for name, entry in self.signals():
-            value, (lowest, highest) = getattr(self, name), entry.raw_range
-            if not lowest <= value <= highest:
-                return OverflowError(f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}")
-        raise AssertionError(self.PORT)
+            if entry.check == "chk":
+                setattr(self, name, CHECK_ERRONEOUS)
 
     @classmethod
     def decode(cls, data: bytes) -> Self:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, Protocol
+from typing import ClassVar, Final, Protocol
 
 from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
+from railhil.common.exit_codes import INVALID
 
 #: Longest time to wait for a train to stop after its controller was lost.
 BRAKING_MAX_NS: Final = 300_000_000_000
@@ -15,6 +16,17 @@ BRAKING_MAX_NS: Final = 300_000_000_000
 class PlantError(Exception):
     """The simulation itself failed: its state is no longer finite, or the wire cannot carry it. A tool error, never a
     verdict on a run."""
+
+
+class FaultTooLarge(PlantError):
+    """A fault drives the plant beyond the range of the truth's signals. The run is INVALID, because its record cannot
+    show what happened; the bench has no defect.
+
+    :cvar SAID: part of its sentence.
+    """
+
+    exit_code = INVALID
+    SAID: ClassVar[str] = "beyond the range of the record"
 
 
 class Happened(Protocol):

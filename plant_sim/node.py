@@ -76,7 +76,7 @@ class PlantNode:
         self._store = administrator.store
         self._supervisor = supervisor
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
-        self.publish = administrator.queue.publish
+        self.publish = faults.limited(administrator.queue.publish, "" if system.truth is None else system.truth.port)
         self.milestones = Milestones(self.publish, self._tick_ns)
         contract = system.contract
         self._sup_port = contract.port(SupCmd.PORT)

@@ -197,7 +197,10 @@ class BusRun(Run):
             return "; ".join(disagreements), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.handshake.disagreements) or "the plant did not start the run", True
-        return "; ".join(filter(None, (self.recorder.lost, self._hole(counters)))), False
+        lost = self.recorder.lost
+        if self.session.ended is Event.ENDED_PLANT_ERROR and not lost:
+            lost = next((node.last_words() for node in nodes.list_ended() if node.role == "plant"), "")
+        return "; ".join(filter(None, (lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:
         """Reason for which the record is incomplete, if it is."""

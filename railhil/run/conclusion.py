@@ -22,6 +22,7 @@ from railhil.judge.jitter import (
 from railhil.judge.judging import judging_of
 from railhil.judge.record_checks import UNCLEAR
 from railhil.judge.result import Result
+from railhil.plant_sim.any_plant import FaultTooLarge
 from railhil.record.framelog import telegrams_sha256
 from railhil.record.log_trace import trace_of_log
 from railhil.record.notes import untold_wrap
@@ -92,7 +93,7 @@ def judged(
         code, line = INVALID, missed
     if code == PASS and (untold := untold_wrap(trace, judging.status, summary.wraps if summary else 0)):
         code, line = INVALID, untold
-    if session.ended is Event.ENDED_PLANT_ERROR:
+    if session.ended is Event.ENDED_PLANT_ERROR and FaultTooLarge.SAID not in line:
         code = TOOL_ERROR
     choice = run.choice
     return Result(

@@ -24,8 +24,9 @@ from railhil.dbc import Port
 from railhil.faults.language import parse
 from railhil.judge.judging import judging_of
 from railhil.judge.result import Result
-from railhil.plant_sim.any_plant import AnyPlant
+from railhil.plant_sim.any_plant import AnyPlant, FaultTooLarge, PlantError
 from railhil.plant_sim.cycle import Milestones, TickLoop
+from railhil.plant_sim.faults.plant_faults import PlantFaults
 from railhil.plant_sim.faults.plants import LEVELS, make_plant
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
@@ -114,8 +115,16 @@ class Coupling:
     def run(
         self, ending: Any, schedule: Schedule, makers: Mapping[str, Any], polled: Sequence[Port], clock_port: str
     ) -> None:
-        """Run the plant to its end."""
-        TickLoop(self.plant, ending, schedule, self, makers, polled, clock_port).run()
+        """Run the plant to its end.
+
+        :raises FaultTooLarge: a fault drives it beyond what telegrams carry; :raises PlantError: it fails without one.
+        """
+        try:
+            TickLoop(self.plant, ending, schedule, self, makers, polled, clock_port).run()
+        except PlantError as error:
+            if self._scenario.faults and isinstance(error.__cause__, OverflowError):
+                raise FaultTooLarge(f"{'; '.join(self._scenario.faults)}: {FaultTooLarge.SAID}: {error}") from error
+            raise
 
     def output(self) -> Any:
         """The law's output of this control period; the law is called at the first poll of the period."""
@@ -166,8 +175,11 @@ def couple_over_interface(
         raise InputError(scenario.name, "fault", Words("; ".join(others)), allowed)
     system = scenario.installed_system
     interface = system.part("interface")
-    plant, _ = make_plant(scenario, spec)
+    plant, inside = make_plant(scenario, spec)
     coupled = InterfaceCoupling(scenario, plant, law, interface, ports)
+    if system.truth is not None:
+        limited = PlantFaults(None, inside, None).limited(coupled.publish, system.truth.port)
+        coupled.publish = limited  # type: ignore[assignment, method-assign]
     coupled.identify(spec.law.identity)
     contract = system.contract
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)

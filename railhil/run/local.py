@@ -17,7 +17,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.reception import received_by
 from railhil.bus.select import no_bus
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.common.exit_codes import INVALID, PASS, USAGE, exit_code_of
 from railhil.controller_node.controller import (
     AnyController,
     adopt_faults,
@@ -178,7 +178,7 @@ class LocalRun(Run):
         if isinstance(error, PeerSilent) and self._was_killed:
             return "", PASS
         if isinstance(error, (PeerSilent, PlantError)):
-            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
+            return str(error), exit_code_of(error)
         # Nodes that disagree, or a law that raises.
         return "; ".join(self.session.handshake.disagreements) or str(error), USAGE
 

@@ -3,7 +3,8 @@
 A :class:`Reach` gives the range of a quantity in a run of the scenario, by the keys that determine it. The port table
 gives the range of the signal. Normal draws count up to :data:`SIGMAS` standard deviations. Values beyond (a rarer draw,
 a fault, a train that does not stop) are not refused here: a reading then stays at the end of its range with an
-erroneous check variable, and any other value ends the run as an error of the plant.
+erroneous check variable, and any other value ends the run: as INVALID if a fault in the plant has begun (the truth
+alone, other values stay at the end of the range, too), else as an error of the plant.
 """
 
 from __future__ import annotations

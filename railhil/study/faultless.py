@@ -31,15 +31,16 @@ def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
 
 
 def faultless_run(base: RunSpec, out: Path | None = None) -> tuple[float, dict[str, Sent]]:
-    """Duration of the timetable in s, and the telegrams of the run without faults with their times.
+    """Duration in s of the timetable, or of the run without faults if that is shorter; the telegrams of that run with
+    their times.
 
     :param out: folder in which its own is made for a moment; None: that of the operating system.
     :raises InputError, NeverBegan: as :func:`run_into`.
     """
     with TemporaryDirectory(dir=out) as folder:
         result = run_into(Path(folder), replace(base, faults=()), keep=False)
-    scenario = result.scenario
-    return scenario.planned_s, sent_ports(result.trace, list_disturbed_signals(scenario.installed_system))
+    scenario, trace = result.scenario, result.trace
+    return min(scenario.planned_s, trace.end_s), sent_ports(trace, list_disturbed_signals(scenario.installed_system))
 
 
 def can_inject_in(system: System, base: RunSpec, text: str) -> bool:

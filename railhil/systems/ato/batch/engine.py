@@ -17,7 +17,7 @@ from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.failure import describe_failure
 from railhil.judge.score import Score
-from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.any_plant import FaultTooLarge, PlantError
 from railhil.record.notes import WRAP_FAILURE
 from railhil.scenarios.streams import chain_of
 from railhil.systems.ato.batch import lanes
@@ -103,6 +103,10 @@ class Engine:
         held = (fleet.tables.control_accel_raw <= low) | (fleet.tables.control_accel_raw >= high)
         if (beyond := held.any(axis=1)).any():
             named = _name_run(seeds, vectors, fleet.tables.order[np.argmax(beyond)])
+            if case.scenario.faults:
+                raise FaultTooLarge(
+                    f"{'; '.join(case.scenario.faults)}: {FaultTooLarge.SAID}: SIM_TRUTH.TrueAccel {named}"
+                )
             raise PlantError(f"SIM_TRUTH.TrueAccel: the wire cannot carry it, {named}")
         steps = np.searchsorted(times.steps, fleet.column(lanes.END_TICK)[np.argsort(fleet.tables.order)], side="right")
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
