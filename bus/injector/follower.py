@@ -14,8 +14,9 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
+from railhil.faults.activity import MotionEvents
 from railhil.faults.capability import life_signal
-from railhil.faults.model import BRAKING_MPS2, Injection
+from railhil.faults.model import Injection
 from railhil.faults.truth import Truth
 
 
@@ -42,23 +43,13 @@ class TrueMotion:
         self.port = port.name
         self._position, self._speed = _Value(port, truth.position), _Value(port, truth.speed)
         self._acceleration, self._traction = _Value(port, truth.acceleration), _Value(port, truth.traction)
-        self._moved = self._brakes = self._drives = False
+        self._events = MotionEvents()
 
     def read(self, data: bytes) -> tuple[float, float, list[str]]:
         """Position in m, speed in m/s, and the events of the next telegram."""
-        position_m, speed_mps = self._position.of(data), self._speed.of(data)
-        events = []
-        moves = speed_mps != 0.0
-        if self._moved and not moves:
-            events.append("standstill")
-        brakes = self._acceleration.of(data) <= -BRAKING_MPS2
-        if brakes and not self._brakes:
-            events.append("braking")
-        drives = self._traction.of(data) > 0.0
-        if drives and not self._drives:
-            events.append("traction")
-        self._moved, self._brakes, self._drives = moves, brakes, drives
-        return position_m, speed_mps, events
+        speed_mps = self._speed.of(data)
+        events = self._events.seen(speed_mps, self._acceleration.of(data), self._traction.of(data))
+        return self._position.of(data), speed_mps, events
 
 
 class Levels:

@@ -14,6 +14,7 @@ from hil_tests.support.panel_page import WAIT_MS, said, started
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
+from railhil.cli.panel import STAY_S
 from railhil.dbc import wire_contract
 from railhil.faults.language import parse
 from railhil.faults.operator_values import octets_of
@@ -241,6 +242,32 @@ def test_the_next_run_is_made_from_the_page_in_a_folder_of_its_own(chromium, tmp
     page.close()
     hashes = {read_certificate(tmp_path / name)["frames_sha256"] for name in ("run", "run-2")}
     assert len(hashes) == 1
+
+
+@pytest.mark.long
+def test_an_end_to_which_nobody_says_anything_is_served_for_a_while(chromium, tmp_path):
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
+    words = ["run", tmp_path / "short.toml", "--panel", "0", "--wait", "--no-report", "--out", tmp_path / "run"]
+    page = chromium.new_page()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    with started(tmp_path / "output.txt", *words) as (process, address):
+        page.goto(address)
+        page.wait_for_selector("#start:enabled", timeout=WAIT_MS)
+        page.click("#start")
+        left_s = int(re.findall(r"served for (\d+) s more", said(page, "#end .next span", "s more"))[0])
+        begun_s = time.monotonic()
+        assert STAY_S - 15 < left_s <= STAY_S
+        for row in page.locator("#end .copied").all():
+            row.locator("button").click()
+            row.locator("button", has_text="copied").wait_for(timeout=WAIT_MS)
+            assert page.evaluate("navigator.clipboard.readText()") == row.locator("code").inner_text()
+        copied = page.evaluate("navigator.clipboard.readText()")
+        assert process.wait(2 * STAY_S) == 0
+        assert time.monotonic() - begun_s == pytest.approx(left_s, abs=15)
+        said(page, "#connection", "the run has ended")
+        assert "the command has ended" in page.inner_text("#end .next")
+    page.close()
+    assert copied.startswith("railhil run ")
 
 
 @pytest.mark.long

@@ -138,6 +138,49 @@ def test_no_number_is_cut_off(page: Any) -> None:
         assert page.evaluate(f"{cut}.map(one => one.textContent)") == []
 
 
+LEGEND = "[...document.querySelectorAll('[gs-id=\"%s\"] .u-series')].map(one => one.innerText.replace(/\\s+/g, ' '))"
+
+
+def test_without_a_cursor_the_legend_has_the_values_of_now_or_of_the_chosen_instant(page: Any) -> None:
+    until(page, f"{LEGEND % 'command'}.length > 1 && !{LEGEND % 'command'}.some(one => one.endsWith('-'))")
+    last = page.evaluate(LEGEND % "command")
+    page.evaluate("location.hash = '#t=10'")
+    said(page, "#at", r"10\.00 s")
+    place_m = float(page.inner_text("[data-column=true_position_m] b").split()[0])
+    until(page, f"Math.abs({LEGEND % 'line'}[0].match(/[\\d.]+/)[0] - {place_m}) < 0.006")
+    assert not [text for text in page.evaluate(LEGEND % "line") if text.endswith("-")]
+    chosen = page.evaluate(LEGEND % "command")
+    assert chosen != last
+    # A cursor comes and goes.
+    page.hover("[gs-id=command] .u-over", position={"x": 200, "y": 40})
+    until(page, f"{LEGEND % 'command'}.join() !== {json.dumps(','.join(chosen))}")
+    page.hover("#title")
+    until(page, f"{LEGEND % 'command'}.join() === {json.dumps(','.join(chosen))}")
+
+
+def test_on_paper_are_all_tiles_with_their_curves(page: Any, tmp_path: Path) -> None:
+    page.emulate_media(color_scheme="dark")
+    drawn = (
+        "[...document.querySelectorAll('.rc-chart')].map(one => "
+        "Object.values(railhilCharts.drawn(one)).reduce((most, y) => Math.max(most, y.length), 0))"
+    )
+    assert 0 in page.evaluate(drawn)
+    page.pdf(path=tmp_path / "page.pdf", format="A4")
+    assert 0 not in page.evaluate(drawn)
+    page.emulate_media(media="print")
+    boxes = page.evaluate(
+        "[...document.querySelectorAll('.grid-stack-item')].map(one => one.getBoundingClientRect())"
+        ".map(({left, top, right, bottom}) => [left, top, right, bottom])"
+    )
+    for number, one in enumerate(boxes):
+        for other in boxes[:number]:
+            across = min(one[2], other[2]) - max(one[0], other[0])
+            down = min(one[3], other[3]) - max(one[1], other[1])
+            assert across < 1 or down < 1, (one, other)
+    cut = "one.scrollHeight > one.clientHeight + 1 && getComputedStyle(one).overflowY !== 'visible'"
+    assert page.evaluate(f"[...document.querySelectorAll('.tile > *')].filter(one => {cut}).length") == 0
+
+
 def test_beyond_the_end_of_a_run_there_is_no_instant(page: Any) -> None:
     end_s = page.inner_text("#at")
     page.evaluate("location.hash = '#t=99999'")

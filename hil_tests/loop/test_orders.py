@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.short_runs import RUN_2M_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 from railhil.bus.codes import FaultOrder, SupCommand
 from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
-from railhil.judge.events.event import LEVEL, RecordedEvent
+from railhil.judge.events.event import LEVEL
 from railhil.judge.events.summary import fault_events
 from railhil.judge.events.telegrams import events_of
 from railhil.judge.fault_report import fault_outcomes, missed_faults
@@ -113,34 +113,63 @@ def test_the_bands_of_a_live_page_are_those_of_the_record(spec, tmp_path):
         18: [{"do": "stop"}],
     }
     run = made(replace(spec, faults=faults), tmp_path / "run", Hands(presses))
+    seen = bands_checked(run, tmp_path / "run", spec, {1, 2, 3, 5}, {5})
+    orders = [event["text"] for event in seen if event["kind"] == "order"]
+    assert orders == ["pause", "start again", "cleared fault 1: TRN_SPEED loss 30%", "stop"]
+
+
+#: Faults with conditions, by scenario and law.
+CONDITIONS = {
+    (RUN_72M_TOML, "ipfc"): (
+        "TRN_POS loss 30% @10m until braking", "PLT_STAT loss @v>2m/s for 300ms", "NOTCH_CMD loss 5% @v<3m/s+1s",
+        "TRN_SPEED delay 20ms @departed+200ms x2", "NOTCH_SDT loss 5% @2s until stopped", "BALISE corrupt @1000m",
+    ),
+    ('extends = "yizhuang_stop"\nname = "short"\n', "ilc_stop"): (
+        "SPEED_RAW loss 5% @v<30km/h for 2s", "ODO loss 5% @braking+1s until standstill",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.faults
+@pytest.mark.parametrize(("scenario", "law"), CONDITIONS, ids=[law for _, law in CONDITIONS])
+def test_bands_of_faults_with_conditions_are_those_of_the_record(tmp_path, scenario, law):
+    (tmp_path / "short.toml").write_text(scenario, encoding="utf-8")
+    faults = CONDITIONS[scenario, law]
+    spec = RunSpec(str(tmp_path / "short.toml"), law=LawSpec(controller=law, arithmetic="float64"), faults=faults)
+    acting = {number for number, text in enumerate(faults, start=1) if "1000m" not in text}
+    # Only the record tells when a fault with a count ends.
+    lasting = {number for number, text in enumerate(faults, start=1) if "v<3m/s" in text or " x2" in text}
+    seen = bands_checked(made(spec, tmp_path / "run"), tmp_path / "run", spec, acting, lasting)
+    assert not [one for one in seen if " x2" in one["text"] and "is_open" in one]
+
+
+def bands_checked(
+    run: LocalRun, folder: Path, spec: RunSpec, numbers: set[int], open_ones: set[int]
+) -> list[dict[str, Any]]:
+    """The live events of a run; the bands of its faults must be those of these numbers and of the record."""
     seen: list[dict[str, Any]] = []
 
     def add(time_s: float, kind: str, source: str, text: str) -> dict[str, Any]:
         seen.append({"time_s": time_s, "kind": kind, "source": source, "text": text, "until_s": None})
         return seen[-1]
 
+    live = LiveOrders(lambda: run.scenario.faults, add, run.scenario.installed_system)
+    live.find(run.trace)
+    assert live.find(Trace(run.trace.contract)) == []
     tick_s = run.scenario.timing.base_tick_ns / 1e9
-    live = LiveOrders(lambda: faults, add, tick_s)
-    end_s = run.trace.end_s
-    live.find(run.trace, end_s)
-    assert live.find(Trace(run.trace.contract), end_s) == []
-    recorded = {event.detail.split(":")[0]: event for event in run_events(run, tmp_path / "run", spec)}
-    bands = {event["text"].split(":")[0]: event for event in seen if event["kind"] == "fault"}
-    assert set(bands) == set(recorded) == {"fault 1", "fault 2", "fault 3", "fault 5"}
-    for name, band in bands.items():
-        assert band["time_s"] == pytest.approx(recorded[name].time_s, abs=1.5 * tick_s)
-        if name == "fault 5":
-            assert band["is_open"]
-        else:
-            assert band["until_s"] == pytest.approx(recorded[name].until_s, abs=2.5 * tick_s)
-    orders = [event["text"] for event in seen if event["kind"] == "order"]
-    assert orders == ["pause", "start again", "cleared fault 1: TRN_SPEED loss 30%", "stop"]
-
-
-def run_events(run: LocalRun, folder: Path, spec: RunSpec) -> list[RecordedEvent]:
-    """The faults of a run as its record has them."""
     outcomes = fault_outcomes(folder, run.scenario, spec.seed)
-    return list(fault_events([one.as_json() for one in outcomes], run.trace.end_s))
+    events = fault_events([one.as_json() for one in outcomes], run.trace.end_s)
+    recorded = {event.detail.split(":")[0]: event for event in events}
+    bands = {event["text"].split(":")[0]: event for event in seen if event["kind"] == "fault"}
+    assert set(bands) == set(recorded) == {f"fault {number}" for number in numbers}
+    for number in numbers:
+        band, known = bands[f"fault {number}"], recorded[f"fault {number}"]
+        # The truth comes with every second tick.
+        assert band["time_s"] == pytest.approx(known.time_s, abs=2.5 * tick_s)
+        if number not in open_ones:
+            assert band["until_s"] == pytest.approx(known.until_s, abs=2.5 * tick_s)
+    return seen
 
 
 @pytest.mark.faults

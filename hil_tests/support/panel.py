@@ -22,9 +22,9 @@ class Recorded:
     """A run of 2 m."""
 
     def __init__(self, folder: Path) -> None:
-        path = folder / "short.toml"
-        path.write_text(RUN_2M_TOML, encoding="utf-8")
-        self.scenario = load(str(path))
+        self.path = folder / "short.toml"
+        self.path.write_text(RUN_2M_TOML, encoding="utf-8")
+        self.scenario = load(str(self.path))
         self.trace = local_run(self.scenario, folder).trace
         self.frames = [frame for _, frame in read_log(folder / "frames.log")]
         system = system_named(self.scenario.system)

@@ -8,24 +8,8 @@ import numpy as np
 
 from railhil.bus.injector.activities import Activities
 from railhil.faults.activity import Activity
-from railhil.faults.model import BRAKING_MPS2, Fault
+from railhil.faults.model import Fault
 from railhil.scenarios import streams
-
-
-class MotionEvents:
-    """Events of the motion: the beginning of ``standstill``, ``braking`` and ``traction``."""
-
-    def __init__(self) -> None:
-        self._before = (True, False, False)
-
-    def seen(self, speed_mps: float, accel_mps2: float, traction_n: float) -> list[str]:
-        """The events of one instant."""
-        now = speed_mps == 0.0, accel_mps2 <= -BRAKING_MPS2, traction_n > 0.0
-        before, self._before = self._before, now
-        if now == before:
-            return []
-        names = ("standstill", "braking", "traction")
-        return [name for name, is_so, was_so in zip(names, now, before, strict=True) if is_so and not was_so]
 
 
 class Injections:

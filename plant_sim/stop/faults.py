@@ -21,10 +21,10 @@ from math import fsum
 from typing import Any, ClassVar
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
-from railhil.faults.activity import Activity
+from railhil.faults.activity import Activity, MotionEvents
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.acceleration_side import AccelerationSide
-from railhil.plant_sim.faults.injections import Injections, MotionEvents, SafetyLoop
+from railhil.plant_sim.faults.injections import Injections, SafetyLoop
 from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.plant_sim.stop.brake import GRAVITY_MPS2
 from railhil.plant_sim.stop.draws import RunDraw, TrainDraw

@@ -39,7 +39,8 @@ def pick_rows(values: FloatArray, stretches: int, tolerance: float = TOLERANCE) 
     finite = values[np.isfinite(values)]
     gaps = np.flatnonzero(np.isnan(values[1:]) != np.isnan(values[:-1]))
     # Both sides of every gap: a stretch may have several.
-    return np.unique(np.concatenate((_bent(rows, values, tolerance * float(np.ptp(finite))), gaps, gaps + 1)))
+    bends = rows[pick_bends(rows, values[rows], tolerance * float(np.ptp(finite)))]
+    return np.unique(np.concatenate((bends, gaps, gaps + 1)))
 
 
 def _extremes(values: FloatArray, stretches: int) -> Rows:
@@ -55,32 +56,33 @@ def _extremes(values: FloatArray, stretches: int) -> Rows:
     return np.unique(np.concatenate(found))
 
 
-def _bent(rows: Rows, values: FloatArray, allowed: float) -> Rows:
-    """The rows that are needed to keep the line within ``allowed`` of all rows.
+def pick_bends(at: npt.NDArray[Any], values: FloatArray, allowed: float) -> Rows:
+    """The rows that are needed to keep the line within ``allowed`` of all rows; first and last are among them.
 
     The line from each kept row is extended while one slope fits all rows between (the swinging door of process
     recorders).
+
+    :param at: strictly ascending, shape (n,), n at least 1. :param values: shape (n,), NaN: no value.
     """
-    at, y = rows.tolist(), values[rows].tolist()
+    x, y = at.tolist(), values.tolist()
     kept, low, high = [0], -np.inf, np.inf
-    for place in range(1, len(at)):
+    for place in range(1, len(x)):
         if np.isnan(y[place]) and not np.isnan(y[place - 1]):
             # True where a gap begins, even a gap of a single row.
             kept += [place - 1, place]
             low, high = -np.inf, np.inf
             continue
         start = kept[-1]
-        span = at[place] - at[start]
+        span = x[place] - x[start]
         slope = (y[place] - y[start]) / span
         # False where a value is missing, so that both sides of a gap are kept.
         if not low <= slope <= high and place - 1 > start:
             kept.append(place - 1)
-            start, span, low, high = place - 1, at[place] - at[place - 1], -np.inf, np.inf
-        if span:
-            low = max(low, (y[place] - allowed - y[start]) / span)
-            high = min(high, (y[place] + allowed - y[start]) / span)
-    kept.append(len(at) - 1)
-    return rows[np.unique(kept)]
+            start, span, low, high = place - 1, x[place] - x[place - 1], -np.inf, np.inf
+        low = max(low, (y[place] - allowed - y[start]) / span)
+        high = min(high, (y[place] + allowed - y[start]) / span)
+    kept.append(len(x) - 1)
+    return np.unique(kept)
 
 
 def find_deviation(rows: Rows, values: FloatArray, time_s: npt.NDArray[Any]) -> float:

@@ -29,6 +29,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.operator_commands import ORDER
 from railhil.scenarios.options import PANEL_PORT, PORT_MAX, add_option, add_options
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.scenario_documents import nominal_sha256
 from railhil.scenarios.settings import normalise_fault
 
 if TYPE_CHECKING:
@@ -174,7 +175,7 @@ class PanelBeside(Observer):
         process = None
         path = self._operator or self._held.enter_context(make_private_socket())
         socket = self._socket = self._held.enter_context(PanelSocket(path))
-        socket.scenario = plan.scenario.name
+        socket.scenario = nominal_sha256(plan.scenario)
         if self._port is not None:
             apart = set() if plan.spec.is_realtime else nodes_processor()[1]
             words = self._words(plan, path)

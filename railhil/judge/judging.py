@@ -107,10 +107,10 @@ class Judging:
     (:mod:`railhil.judge.requirements.names`).
 
     For the panel only: ``places``: (scenario) -> named places in the order of their positions, of which the panel draws
-    a line with the place of the train; ``strip``: names of the columns that it draws over the line, of one unit; empty:
-    speed and target. ``profiles``: (scenario) -> :class:`railhil.judge.declared.ShownProfile`, drawn with them.
-    ``gauges``: names of columns that stand at first sight beside those with a role. ``applied``: name of the column
-    with what the train makes of the command.
+    a line with the place of the train; ``strip``: names of the columns that it draws over the line, those of the first
+    one's unit together, others below; empty: speed and target. ``profiles``: (scenario) ->
+    :class:`railhil.judge.declared.ShownProfile`, drawn with them. ``gauges``: names of columns that stand at first
+    sight beside those with a role. ``applied``: name of the column with what the train makes of the command.
 
     ``ends_at_m``: (scenario) -> planned end of the run as a position of the system's ``truth`` in m; None: there is
     none.

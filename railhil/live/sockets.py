@@ -99,7 +99,7 @@ class PanelSocket:
         self._last: dict[str, Any] = {}
         # Commands that came before the first :meth:`take`.
         self._early: list[dict[str, Any]] = []
-        #: Name of the scenario of the run, for panels that were told of another one.
+        #: Hash of the scenario of the run without its faults, for panels that were told of another one.
         self.scenario = ""
         #: Port of the page, as the panel says; 0: not known.
         self.port = 0

@@ -38,7 +38,7 @@ class LiveEvents:
         self._own = {number: name for name, number in system.events.items()}
         self._lamps = layout.lamps
         self.all: list[dict[str, Any]] = []
-        self._orders = LiveOrders(faults, self.add, scenario.timing.base_tick_ns / 1e9)
+        self._orders = LiveOrders(faults, self.add, system)
         self.restart()
 
     def restart(self) -> None:
@@ -62,7 +62,7 @@ class LiveEvents:
         :param trace: begins with the newest telegrams of the trace before.
         """
         found = [*self._find_milestones(trace), *self._find_levels(trace), *self._find_interlocks(trace)]
-        found += self._orders.find(trace, now_s)
+        found += self._orders.find(trace)
         if self._orders.has_changed:
             return self.describe()
         return json.dumps({"events": sorted(found, key=_time_s)}) if found else ""

@@ -11,12 +11,13 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from railhil.charts.curve_points import TOLERANCE, pick_bends
 from railhil.dbc import Contract, Signal
 from railhil.judge.declared import Place, ShownProfile
 from railhil.judge.judging import Judging, judging_of
 from railhil.judge.signals import table_of
+from railhil.panel.history import is_gap
 from railhil.record.sampling import Sampler, gap_after, holding_s, silences
 from railhil.record.trace import FloatArray, Trace
 from railhil.report.display_columns import (
@@ -138,7 +139,7 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     strip = strip or tuple(at for at in (speed, target) if at >= 0)
     has_line = position >= 0 and bool(strip)
     places = tuple(judging.places(scenario)) if has_line else ()
-    profiles = tuple(judging.profiles(scenario)) if has_line else ()
+    profiles = tuple(map(_thin, judging.profiles(scenario))) if has_line else ()
     charts = _make_charts(columns, command)
     return Layout(
         tuple(columns),
@@ -160,6 +161,17 @@ def make_layout(scenario: AnyScenario, contract: Contract, notes: Sequence[Mappi
     )
 
 
+def _thin(profile: ShownProfile) -> ShownProfile:
+    """The profile without the rows on the line between others; to 0.001 of its units."""
+    if profile.is_step:
+        return profile
+    at, values = np.array(profile.rows).T
+    # Of a train that stands, one row.
+    rows = np.flatnonzero(np.diff(at, prepend=-np.inf) > 0.0)
+    rows = rows[pick_bends(at[rows], values[rows], TOLERANCE * float(np.ptp(values)))]
+    return replace(profile, rows=tuple(zip(at[rows].round(3).tolist(), values[rows].round(3).tolist(), strict=True)))
+
+
 def _find_signal(contract: Contract, port: str, signal: str) -> Signal:
     return next(item for item in contract.port(port).signals if item.name == signal)
 
@@ -177,7 +189,7 @@ def _make_charts(columns: Sequence[ShownColumn], command: int) -> tuple[Chart, .
 
 
 def _make_desks(charts: Sequence[Chart], command: int) -> tuple[Desk, ...]:
-    """What is watched stands first and large: to drive, to see what a fault does, to see the bus."""
+    """What is watched stands first and large: to drive, to see what a fault does, the bus, all curves at once."""
     beside = [one.title for one in charts if command in one.columns or one.title == TRACKING_ERROR]
     # Two of them are as high as the picture of the line.
     small = dict.fromkeys((*beside[:2], "reaction ladders", "events", "values", "speed"), (4, 6))
@@ -185,6 +197,10 @@ def _make_desks(charts: Sequence[Chart], command: int) -> tuple[Desk, ...]:
         Desk("drive", (("line", 8, 12), *((title, *size) for title, size in small.items()))),
         Desk("faults", (("line", 8, 7), ("events", 4, 12), ("reaction ladders", 8, 5), ("values", 12, 4))),
         Desk("bus", (("frames", 8, 10), ("events", 4, 10), ("line", 12, 8))),
+        Desk(
+            "curves",
+            tuple((title, 4, 4) for title in (*dict.fromkeys(one.title for one in charts), "reaction ladders")),
+        ),
     )
 
 
@@ -206,66 +222,6 @@ def _make_lamps(judging: Judging, contract: Contract, before: int) -> tuple[Lamp
 def _make_label(name: str) -> str:
     """Words of a signal's name: ``DoorsClosedLocked`` -> ``doors closed locked``."""
     return "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name).strip()
-
-
-#: Largest number of rows; beyond it the older ones become half as dense.
-HISTORY_ROWS_MAX = 24_000
-
-
-def is_gap(rows: FloatArray, position: int) -> npt.NDArray[np.bool_]:
-    """Marks the rows of gaps, in which only time and position are known; shape (n,).
-
-    :param position: place of its column; -1: there is none.
-    """
-    known = ~np.isnan(rows[:, 1:])
-    if position >= 0:
-        known[:, position] = False
-    return np.asarray(~known.any(axis=1))
-
-
-class History:
-    """Rows of one run; ``stride``: one of this number of rows is kept, besides the rows of gaps.
-
-    :param position: place of its column; -1: there is none.
-    """
-
-    def __init__(self, width: int, position: int = -1) -> None:
-        self._position = position
-        self._rows: FloatArray = np.empty((HISTORY_ROWS_MAX, width))
-        self._count = 0
-        self._seen = 0
-        self.stride = 1
-
-    def add(self, rows: FloatArray) -> None:
-        """Append rows in the order of time."""
-        number = self._seen + np.arange(len(rows))
-        picked = rows[(number % self.stride == 0) | is_gap(rows, self._position)]
-        self._seen += len(rows)
-        for start in range(0, len(picked), HISTORY_ROWS_MAX // 2):
-            part = picked[start : start + HISTORY_ROWS_MAX // 2]
-            if self._count + len(part) > HISTORY_ROWS_MAX:
-                self._halve()
-            self._rows[self._count : self._count + len(part)] = part
-            self._count += len(part)
-
-    @property
-    def rows(self) -> FloatArray:
-        """The kept rows, shape (n, width)."""
-        return self._rows[: self._count]
-
-    def clear(self) -> None:
-        """Begin again."""
-        self._count = self._seen = 0
-        self.stride = 1
-
-    def _halve(self) -> None:
-        even, odd = self._rows[: self._count : 2].copy(), self._rows[1 : self._count : 2]
-        gaps = is_gap(odd, self._position)
-        kept = even
-        kept[: len(odd)][gaps] = odd[gaps]
-        self._count = len(kept)
-        self._rows[: self._count] = kept
-        self.stride *= 2
 
 
 class Rows:

@@ -18,13 +18,15 @@ from railhil.dbc import house_contract
 from railhil.live.bus_follower import Listener
 from railhil.panel.bus_statistics import WATCHED_FRAMES, BusStatistics, FrameList
 from railhil.panel.events import NO_EVENTS, LiveEvents
-from railhil.panel.layout import NO_LAYOUT, History, Layout, Rows, make_layout
+from railhil.panel.history import History
+from railhil.panel.layout import NO_LAYOUT, Layout, Rows, make_layout
 from railhil.panel.operator import Operator, list_fault_kinds
 from railhil.panel.receiver import Receiver
 from railhil.panel.wire import APPEND, REPLACE, encode_batch
 from railhil.record.documents import read_certificate
 from railhil.record.trace import FloatArray, Trace
 from railhil.scenarios.model import AnyScenario, Timing
+from railhil.scenarios.scenario_documents import nominal_sha256
 from railhil.scenarios.system import System, UnknownScenario
 
 if TYPE_CHECKING:
@@ -58,6 +60,8 @@ class LiveRun:
     ) -> None:
         self._watched = watched
         self._named = watched.scenario
+        # Further faults of the run make no other scenario of it.
+        self._nominal = "" if operator is None or self._named is None else nominal_sha256(self._named)
         self._operator = operator
         self._requirements = requirements
         self.branches = branches
@@ -122,7 +126,7 @@ class LiveRun:
         if self._operator is not None and self._named is not None:
             report, named = self._operator.report, self._named
             further = report.get("faults", list(named.faults)) != list(named.faults)
-            self._watched.has_further_faults = further and report.get("scenario", named.name) == named.name
+            self._watched.has_further_faults = further and report.get("scenario", self._nominal) == self._nominal
         if self._watched.take(frames):
             self._show()
             messages += [json.dumps({"header": self.describe()}), *self.read_past()]

@@ -14,7 +14,8 @@ from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.cli.run_identity import RunIdentity
 from railhil.dbc import wire_contract
-from railhil.panel.layout import HISTORY_ROWS_MAX, History, Rows, is_gap
+from railhil.panel.history import HISTORY_ROWS_MAX, History, is_gap
+from railhil.panel.layout import Rows
 from railhil.panel.live import LiveRun
 from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows

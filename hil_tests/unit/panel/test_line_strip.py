@@ -83,6 +83,34 @@ def test_each_system_has_a_line_with_what_its_scenario_knows_of_it(name: str) ->
         assert {tile for tile, _, _ in desk.tiles} - there <= {"speed"}
 
 
+@pytest.mark.parametrize("name", ["jinan_xuzhou", "jinan_xuzhou_emu3"])
+def test_a_high_speed_line_has_what_its_scenario_says_and_the_grade_that_the_wire_tells(name: str) -> None:
+    layout = layout_of(load_any(name))
+    (limit,) = [one for one in layout.profiles if one.label == "limit"]
+    assert limit.rows == ((80_000.0, 250.0), (100_000.0, 250.0))
+    marks = [(one.name, one.position) for one in layout.places if one.kind == "mark"]
+    assert marks == [("coasting", 150_000.0), ("end of coasting", 180_000.0)]
+    over = [layout.columns[at] for at in layout.strip]
+    assert [(one.name, one.unit) for one in over][-1] == ("true_grade_permil", "‰")
+    # What the first two minutes do not reach is not on their line.
+    short = layout_of(load_any("hst_short"))
+    assert ([one.label for one in short.profiles], short.places) == (["target curve"], ())
+
+
+@pytest.mark.parametrize("name", ["four_stops", "jinan_xuzhou", "lvshun_tieshan", "yizhuang_stop"])
+def test_the_header_of_a_page_has_a_curve_in_few_points(name: str) -> None:
+    scenario = load_any(name)
+    for whole, shown in zip(judging_of(scenario).profiles(scenario), layout_of(scenario).profiles, strict=True):
+        if whole.is_step:
+            assert shown == whole
+            continue
+        (at_m, wanted), (picked_m, values) = np.array(whole.rows).T, np.array(shown.rows).T
+        moves = np.diff(at_m, prepend=-np.inf) > 0.0
+        off = np.abs(np.interp(at_m, picked_m, values) - wanted)[moves]
+        assert off.max() < 5e-4 * np.ptp(wanted)
+        assert len(picked_m) < 0.5 * len(at_m)
+
+
 def test_units_of_a_train_and_words_are_typeset() -> None:
     labels = {one.name: one for one in layout_of(load_any("emu3")).columns}
     assert (labels["true_speed2_mps"].label, labels["unit3_level"].label) == ("true speed 2", "unit 3 level")

@@ -18,7 +18,8 @@ from railhil.cli.run_identity import RunIdentity
 from railhil.live.bus_follower import Listener
 from railhil.panel import live as live_module
 from railhil.panel.bus_statistics import BusStatistics
-from railhil.panel.layout import ERROR, HISTORY_ROWS_MAX, History, make_layout
+from railhil.panel.history import HISTORY_ROWS_MAX, History
+from railhil.panel.layout import ERROR, make_layout
 from railhil.panel.live import LiveRun
 from railhil.panel.live_orders import LiveOrders
 from railhil.panel.operator import Operator
@@ -26,6 +27,7 @@ from railhil.panel.receiver import LOOK_FRAMES, Receiver
 from railhil.panel.recorded import thin_rows
 from railhil.record.trace import Trace
 from railhil.scenarios.load import load_any
+from railhil.scenarios.scenario_documents import nominal_sha256
 from railhil.scenarios.system import names, system_named
 
 
@@ -240,14 +242,20 @@ def test_the_verdict_of_a_run_is_not_that_of_the_next_one(run: Recorded) -> None
     assert operator.report == {}
 
 
-def test_another_scenario_with_faults_of_the_operator_is_not_shown_as_the_named_one(run: Recorded) -> None:
-    """Its target and its line would be values that the run does not have."""
+@pytest.mark.parametrize("settings", [[], ["plan.overtime_max_s=2"]])
+def test_another_scenario_with_faults_of_the_operator_is_not_shown_as_the_named_one(
+    run: Recorded, settings: list[str]
+) -> None:
+    """Its target and its line would be values that the run does not have, also under the name of the run."""
+    named = load_any(run.path, settings) if settings else load_any("yizhuang_05")
     operator = Operator("nowhere")
-    operator.report = {"phase": "ended", "scenario": run.scenario.name, "faults": ["safety_loop off @manual"]}
+    report = {"phase": "ended", "scenario": nominal_sha256(run.scenario), "faults": ["safety_loop off @manual"]}
+    operator.report = report
     receiver = Receiver({}, lambda config, name: ScriptedLink(run.frames[:4000], []))
-    live = LiveRun(RunIdentity(load_any("yizhuang_05")), receiver, operator)
+    live = LiveRun(RunIdentity(named), receiver, operator)
     live.look()
     assert live.layout.target == -1
+    assert "no scenario here has the hash" in live._list_notices()[0]
 
 
 def test_a_command_that_is_none_does_not_end_the_panel(run: Recorded) -> None:
@@ -258,4 +266,4 @@ def test_a_command_that_is_none_does_not_end_the_panel(run: Recorded) -> None:
     def add(time_s: float, kind: str, source: str, text: str) -> dict[str, Any]:
         return {"text": text}
 
-    assert LiveOrders(list, add, 0.01).find(trace, 0.3) == [{"text": "command 7"}]
+    assert LiveOrders(list, add, run.scenario.installed_system).find(trace) == [{"text": "command 7"}]

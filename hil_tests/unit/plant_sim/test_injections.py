@@ -10,9 +10,10 @@ from hil_tests.support.plant_faults import SCENARIO, TICK_NS, fault, made, said
 from hil_tests.support.plug import with_system
 from railhil.bus.injector.activities import Hit
 from railhil.common.errors import InputError
+from railhil.faults.activity import MotionEvents
 from railhil.faults.model import Trigger
 from railhil.plant_sim.ato.faults.train import FaultyTrain
-from railhil.plant_sim.faults.injections import Injections, MotionEvents
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.plants import FMU_PART, in_plant, make_plant, needs_nodes
 from railhil.scenarios.load import load_any
 from railhil.scenarios.plant_fmu import PlantFmu

@@ -280,6 +280,18 @@ def test_zoom_values_choice_and_nothing_fetched(
 
 @pytest.mark.slow
 @pytest.mark.needs_browser
+def test_the_script_draws_the_axes_as_they_are_written(opened: tuple[Any, str, list[str]]) -> None:
+    page = page_of(opened, 1000)
+    texts = "[...document.querySelectorAll('.axes text')].map(one => one.textContent)"
+    written = page.evaluate(texts)
+    page.evaluate("railhilFigures.charts.forEach(one => one.draw())")
+    assert len(written) > 50
+    assert page.evaluate(texts) == written
+    page.close()
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
 def test_without_scripts_the_curves_are_there(opened: tuple[Any, str, list[str]]) -> None:
     program, address, _ = opened
     context = program.new_context(java_script_enabled=False)

@@ -9,6 +9,7 @@ from math import nan
 from typing import Any, ClassVar
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
+from railhil.faults.activity import MotionEvents
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim.ato import force_tables
@@ -19,7 +20,7 @@ from railhil.plant_sim.ato.forces import TrainConstants
 from railhil.plant_sim.ato.plant import EventKind
 from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
-from railhil.plant_sim.faults.injections import Injections, MotionEvents
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
 from railhil.systems.ato.scenario.model import Balise, Scenario
 from railhil.systems.ato.scenario.perturb import find_actual

@@ -85,12 +85,23 @@ const railhilCharts = (() => {
     return ys[low] + (ys[high] - ys[low]) * (xs[at] - xs[low]) / (xs[high] - xs[low]);
   }
 
-  function legend(item, holds, plot, value, series, index) {
-    const at = plot.cursor.idx;
-    if (index == null) return "-";
+  // The instant or place of the legend without a cursor: where something is now, else the last one.
+  const restX = ({places, plot}) => places[0] ?? plot.data[0].at(-1);
+
+  function legend(chart, item, holds, plot, value, series, index) {
+    let at = plot.cursor.idx;
+    if (index == null) {
+      if (chart.plot !== plot || !plot.data[0].length) return "-";
+      at = railhilView.before(plot.data[0], restX(chart)) - 1;
+      if (at < 0) return "-";
+      value = plot.data[series][place(plot, series, at, plot.data[0][at])];
+    }
     return holds || at == null || plot.data[series][at] !== undefined ? readout(value, true, item)
       : readout(onLine(plot, series, at), false, item);
   }
+
+  // A legend without a cursor follows what is drawn.
+  function rest({plot}) { if (plot.cursor.left < 0) plot.setLegend({idx: null}, false); }
 
   function digits(plot, splits, axis, space, step) {
     const decimals = railhilView.decimals(step);
@@ -162,8 +173,11 @@ const railhilCharts = (() => {
   }
 
   // The words at the ends of the curves, apart from each other: a colour alone tells nobody which one it is.
-  function drawEnds({plot}) {
+  function drawEnds({plot, lines}) {
     const {ctx, bbox} = plot, ratio = devicePixelRatio, {min, max} = plot.scales.x, xs = plot.data[0], room = 13 * ratio;
+    // Left of the name of a line at the right edge.
+    const right = bbox.left + bbox.width, edge = Math.min(right - 3 * ratio,
+      ...lines.map(({at}) => plot.valToPos(at, "x", true) - 18 * ratio).filter(x => right - 40 * ratio < x && x < right));
     const ends = plot.series.flatMap((series, number) => {
       if (!series.rcEnd || !series.show) return [];
       const ys = plot.data[number];
@@ -182,10 +196,10 @@ const railhilCharts = (() => {
     const tops = ends.map(({y}) => (above = Math.max(above + room, y - 2 * ratio)));
     for (let at = tops.length - 1, low = bbox.top + bbox.height; at >= 0; at--, low -= room) tops[at] = low = Math.min(low, tops[at]);
     ends.forEach(({series, x}, at) => {
-      const fits = x + 6 * ratio + ctx.measureText(series.rcEnd).width <= bbox.left + bbox.width;
+      const fits = x + 6 * ratio + ctx.measureText(series.rcEnd).width <= edge;
       ctx.textAlign = fits ? "left" : "right";
       ctx.fillStyle = colour(series.rcColour);
-      for (const draw of ["strokeText", "fillText"]) ctx[draw](series.rcEnd, fits ? x + 5 * ratio : bbox.left + bbox.width - 3 * ratio, tops[at]);
+      for (const draw of ["strokeText", "fillText"]) ctx[draw](series.rcEnd, fits ? x + 5 * ratio : edge, tops[at]);
     });
     ctx.restore();
   }
@@ -241,7 +255,7 @@ const railhilCharts = (() => {
     ctx.restore();
   }
 
-  function seriesOf(item, index, asTrack) {
+  function seriesOf(chart, item, index, asTrack) {
     const name = item.colour ?? index % 7;
     return {
       label: item.label,
@@ -251,7 +265,7 @@ const railhilCharts = (() => {
       dash: item.dash,
       points: {show: false},
       paths: asTrack ? () => null : item.step ? uPlot.paths.stepped({align: 1}) : undefined,
-      value: (...given) => legend(item, asTrack || item.step, ...given),
+      value: (...given) => legend(chart, item, asTrack || item.step, ...given),
       rcNames: item.names ?? [],
       rcStep: asTrack || item.step,
       rcColour: name,
@@ -291,7 +305,7 @@ const railhilCharts = (() => {
         y: asTrack ? {range: [0, 1]} : description.y ? {range: description.y}
           // The names of the lines have room above the curves, in a high chart a smaller share.
           : description.lines ? {range: (plot, low, high) => [Math.min(0, low ?? 0), Math.max(0, high ?? 1)
-            / (description.height === "fill" ? Math.max(.6, 1 - NAMES_PX * devicePixelRatio / plot.bbox.height) : .5)]} : {},
+            / (!description.lines.length ? .95 : description.height === "fill" ? Math.max(.6, 1 - NAMES_PX * devicePixelRatio / plot.bbox.height) : .5)]} : {},
       },
       axes: [{...axis, size: 26, gap: 3, label: named(x.label, x.unit), labelSize: 18, labelGap: 0}, yAxis],
       series: [
@@ -299,9 +313,10 @@ const railhilCharts = (() => {
           // Levels hold between their instants: the cursor's own place, not that of the last change.
           if (asTrack && value != null && plot.cursor.left >= 0)
             value = Number(plot.posToVal(plot.cursor.left, "x").toPrecision(5));
+          if (value == null && chart.plot === plot) value = restX(chart);
           return value == null ? "-" : shown(value) + (x.unit ? ` ${x.unit}` : "");
         }},
-        ...description.series.map((item, index) => seriesOf(item, index, asTrack)),
+        ...description.series.map((item, index) => seriesOf(chart, item, index, asTrack)),
       ],
       legend: {
         markers: {
@@ -364,12 +379,13 @@ const railhilCharts = (() => {
           plot.setData(values.map(withGaps), !chart.zoomed);
           if (chart.zoomed) plot.redraw();
         });
+        rest(chart);
       },
       setMarkers(markers) { chart.markers = markers; redraw(chart); },
       setPlaces(places, draws = true) {
         if (String(places) === String(chart.places)) return;
         chart.places = places;
-        if (draws) redraw(chart);
+        if (draws) { redraw(chart); rest(chart); }
       },
       show(index, on) { plot.setSeries(index + 1, {show: on}); },
       zoom: (...ends) => view.zoom(...ends),

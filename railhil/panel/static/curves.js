@@ -68,6 +68,8 @@ export class Curves {
     const empty = [[], ...Array.from({ length: places }, () => [])];
     const handle = railhilCharts[kind](this.host(name), { ...description, bare: true, height: "fill" }, empty);
     pickBy(handle, (value) => this.onPick(this.timeOf(value)));
+    // The legend goes back to the instant that is chosen.
+    handle.plot.over.addEventListener("pointerleave", () => this.cursor(this.chosen));
     this.eye.observe(handle.element);
     this.charts.push({ handle, columns, seen: false });
   }
@@ -84,6 +86,7 @@ export class Curves {
   }
 
   cursor(timeS) {
+    this.chosen = timeS;
     if (this.charts.length) this.charts[0].handle.cursor(timeS == null ? null : this.xOf(timeS));
   }
 
@@ -103,10 +106,11 @@ export class Curves {
 
   whole() { if (this.charts.length) this.charts[0].handle.zoom(); }
 
-  draw() {
+  // isAll: also what nobody sees.
+  draw(isAll = false) {
     this.redraws += 1;
     for (const { handle, columns, seen } of this.charts) {
-      if (!seen) continue;
+      if (!seen && !isAll) continue;
       const [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
       handle.setData(joined(this.stores.map((store) =>
         tableOver(this.overDistance ? store.values[this.layout.position] : store.times, store, columns, low, high))));

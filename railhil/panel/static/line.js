@@ -10,29 +10,31 @@ export class Line {
     if (!strip.length) return;
     const at = [...places.map((one) => one.position), ...profiles.flatMap((one) => one.rows.map(([x]) => x))];
     const low = Math.min(...at), high = Math.max(...at), beside = 0.01 * (high - low);
-    const { unit } = columns[strip[0]], named = (kinds) => places.filter((one) => kinds.includes(one.kind)).map((one) => ({ at: one.position, name: one.name }));
-    const add = (title, unit, series, own, lines) => {
+    const named = (kinds) => places.filter((one) => kinds.includes(one.kind)).map((one) => ({ at: one.position, name: one.name }));
+    // The speeds, then what has another unit, such as the grade.
+    [...new Set([...strip.map((column) => columns[column].unit), ...profiles.map((one) => one.unit)])].forEach((unit, below) => {
+      const own = profiles.filter((one) => one.unit === unit);
+      // The first column lies above the others.
+      const drawn = strip.filter((column) => columns[column].unit === unit).reverse();
+      const series = runs.flatMap((run, which) => drawn.map((column) => {
+        const label = many ? `${run.name}: ${columns[column].label}` : columns[column].label;
+        return { label, unit, colour: column === layout.target ? "target" : strip.indexOf(column) % 7,
+          end: label, dash: DASHES[which % DASHES.length], filled: below && !own.length };
+      }));
       const box = place.appendChild(document.createElement("div"));
       const handle = railhilCharts.chart(box, {
-        title, unit, bare: true, height: "fill", sync: "line", lines,
+        title: below ? own[0]?.label ?? columns[drawn[0]].label : "line", unit, bare: true, height: "fill", sync: "line",
+        lines: named(below ? ["balise"] : ["stop", "mark"]),
         // The train has room at both ends.
         x: { label: "position", unit: columns[position].unit, range: [low - beside, high + beside] },
-        series: [...own.map((one, number) => ({ label: one.label, unit: one.unit, colour: number ? "fault" : 5,
-          dash: [6, 3], step: one.is_step, filled: !series.length, end: series.length ? one.label : undefined })), ...series],
+        series: [...own.map((one, number) => ({ label: one.label, unit, colour: number ? "fault" : 5,
+          dash: [6, 3], step: one.is_step, filled: below, end: below ? undefined : one.label })), ...series],
       }, [[], ...own.map(() => []), ...series.map(() => [])]);
       pickBy(handle, (value) => onPick(timeAt(stores[0], position, value)));
-      this.charts.push({ handle, has: series.length, profiles: own.map(({ rows }) => [rows.map(([x]) => x), rows.map(([, y]) => y)]) });
-    };
-    // The first column lies above the others.
-    this.strip = [...strip].reverse();
-    const series = runs.flatMap((run, which) => this.strip.map((column) => {
-      const label = many ? `${run.name}: ${columns[column].label}` : columns[column].label;
-      return { label, unit: columns[column].unit, colour: column === layout.target ? "target" : strip.indexOf(column) % 7, end: label, dash: DASHES[which % DASHES.length] };
-    }));
-    add("line", unit, series, profiles.filter((one) => one.unit === unit), named(["stop", "mark"]));
-    const others = profiles.filter((one) => one.unit !== unit);
-    if (others.length) add(others[0].label, others[0].unit, [], others, named(["balise"]));
-    for (const one of this.charts) if (!one.has) one.handle.setData(joined(one.profiles));
+      const chart = { handle, drawn, profiles: own.map(({ rows }) => [rows.map(([x]) => x), rows.map(([, y]) => y)]) };
+      if (!drawn.length) handle.setData(joined(chart.profiles));
+      this.charts.push(chart);
+    });
     this.touch();
   }
 
@@ -41,9 +43,11 @@ export class Line {
 
   draw() {
     this.dirty = false;
-    const { handle, profiles } = this.charts[0], [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
-    const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, this.strip, low, high));
-    handle.setData(joined([...profiles, ...tables]));
+    for (const { handle, drawn, profiles } of this.charts.filter((one) => one.drawn.length)) {
+      const [low, high] = handle.zoomed() ? handle.range() : [-Infinity, Infinity];
+      const tables = this.stores.map((store) => tableOver(store.values[this.layout.position], store, drawn, low, high));
+      handle.setData(joined([...profiles, ...tables]));
+    }
   }
 
   // Faults, from where the first train was when they began to act, to where it was when they ended or is now.
@@ -64,7 +68,7 @@ export class Line {
     if (this.open) this.markers(this.open);
     const places = rows.flatMap((row, which) => (row < 0 ? [] : [this.stores[which].values[this.layout.position][row]]));
     // A chart that is drawn anyway is not drawn twice.
-    this.charts.forEach(({ handle }, at) => handle.setPlaces(places, at > 0 || !this.dirty));
+    for (const { handle, drawn } of this.charts) handle.setPlaces(places, !drawn.length || !this.dirty);
     if (this.dirty && isSeen) this.draw();
   }
 

@@ -266,6 +266,15 @@ function setTheme(name) {
   railhilCharts.setTheme(name);
 }
 
+// On paper all tiles have their curves, in the colours of paper.
+addEventListener("beforeprint", () => {
+  page.theme = document.documentElement.dataset.theme ?? "";
+  railhilCharts.setTheme("light");
+  page.curves?.draw(true);
+  page.line?.draw();
+});
+addEventListener("afterprint", () => railhilCharts.setTheme(page.theme));
+
 // The instant goes to the next sample, or the tenth next.
 function step(event) {
   const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key], store = page.stores[0];

@@ -21,8 +21,11 @@ from railhil.systems.high_speed.target import journey_curve
 from railhil.wire.high_speed import UnitCause, UnitLevel
 from railhil.wire.power_units import Wire, wire
 
+_KMH = 3.6
 #: Points of the target curve on the panel.
 _POINTS = 1000
+#: Columns that the panel draws over the position; the last one is for the panel only.
+_TRUE_SPEED, _TARGET, _GRADE = "true_speed_mps", "target_mps", "true_grade_permil"
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
 )
@@ -148,22 +151,36 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
+def _covered_m(task: Any) -> tuple[float, float]:
+    """The part of the journey that a run along the target curve covers: its two ends."""
+    curve = journey_curve(task)
+    return curve.position_m(task.start_s), curve.position_m(task.start_s + task.duration_s)
+
+
 def _places(scenario: Any) -> list[Place]:
-    """Where the emergency is triggered, and the stopping point if the run can reach it."""
-    task, found = scenario.task, []
-    if task.emergency is not None:
-        found.append(Place("emergency", task.emergency.at_km * 1000.0, "mark"))
+    """What the run can reach: both ends of coasting, where the emergency is triggered, and the stopping point."""
+    task, coasting = scenario.task, scenario.task.curve.coasting
+    low_m, high_m = _covered_m(task)
+    marks = [("coasting", coasting.from_km), ("end of coasting", coasting.to_km)]
+    marks += [("emergency", task.emergency.at_km)] if task.emergency is not None else []
+    found = [Place(name, at_km * 1000.0, "mark") for name, at_km in marks if low_m <= at_km * 1000.0 <= high_m]
     if _arrives(scenario):
         found.append(Place("stopping point", journey_curve(task).positions_m[-1]))
-    return found
+    return sorted(found, key=lambda place: place.position)
 
 
 def _profiles(scenario: Any) -> list[ShownProfile]:
-    """The target curve of the journey over the part that the run covers, km/h."""
-    task, curve = scenario.task, journey_curve(scenario.task)
+    """The target curve over the part that the run covers, and the speed restriction of the line, km/h.
+
+    The grades are drawn in each run: the wire tells that under the train (:data:`_GRADE`).
+    """
+    task, curve, slow = scenario.task, journey_curve(scenario.task), scenario.task.curve.restriction
     times_s = np.linspace(task.start_s, task.start_s + task.duration_s, _POINTS)
-    rows = tuple((curve.position_m(time_s), curve.speed_mps(time_s) * 3.6) for time_s in times_s.tolist())
-    return [ShownProfile("target curve", "km/h", rows, is_step=False)]
+    rows = tuple((curve.position_m(time_s), curve.speed_mps(time_s) * _KMH) for time_s in times_s.tolist())
+    low_m, high_m = _covered_m(task)
+    ends_m = [min(max(at_km * 1000.0, low_m), high_m) for at_km in (slow.from_km, slow.to_km)]
+    limit = [ShownProfile("limit", "km/h", tuple((at_m, slow.speed_kmh) for at_m in ends_m))]
+    return [ShownProfile("target curve", "km/h", rows, is_step=False), *(limit if ends_m[0] < ends_m[1] else [])]
 
 
 def _judging(units: int) -> Judging:
@@ -177,8 +194,8 @@ def _judging(units: int) -> Judging:
         truth=truth,
         columns=(
             ("position_m", truth, "TruePos"),
-            ("true_speed_mps", truth, "TrueSpeed"),
-            ("target_mps", truth, "Target"),
+            (_TRUE_SPEED, truth, "TrueSpeed"),
+            (_TARGET, truth, "Target"),
             ("accel_mps2", truth, "TrueAccel"),
             ("drive_mps2", truth, "TrueDrive"),
             ("speed_kmh", ports.feedback[0].PORT, ports.feedback[0].signals()[0][1].name),
@@ -191,6 +208,8 @@ def _judging(units: int) -> Judging:
         ),
         published="figures of the NGPC papers, which print no RMSE of the speed",
         applied="drive_mps2",
+        shown=((_GRADE, ports.mutation.PORT, "TrueGrade"),),
+        strip=(_TRUE_SPEED, _TARGET, _GRADE),
         places=_places,
         profiles=_profiles,
         facts=_facts,
