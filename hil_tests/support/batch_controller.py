@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.ato.control_loop import NO_BALISE, ControlLoop
-from railhil.controller_node.ato.controller import COMMANDS, WIRE
-from railhil.controller_node.law_controller import CommandCode, LawController
+from railhil.controller_node.ato.control_loop import NO_BALISE
+from railhil.controller_node.ato.controller import Controller
+from railhil.controller_node.law_controller import LawController
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.note import Note
-from railhil.controller_node.program.ranges import Interval
 from railhil.scenarios.run_spec import LawSpec
 from railhil.systems.ato.scenario.model import Scenario
 
@@ -43,16 +41,9 @@ class BatchController(LawController):
     :param trains: the number N.
     """
 
-    loop: ClassVar[type[Any]] = ControlLoop
-    commands: tuple[CommandCode, ...] = COMMANDS
-    wire: Mapping[str, Interval] = WIRE
+    loop, commands, wire = Controller.loop, Controller.commands, Controller.wire
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        trains: int,
-        law: LawSpec | None = None,
-    ) -> None:
+    def __init__(self, scenario: Scenario, trains: int, law: LawSpec | None = None) -> None:
         law = law or LawSpec()
         super().__init__(scenario, law, make(law.arithmetic, batch=True))
         self._trains = trains
@@ -66,11 +57,7 @@ class BatchController(LawController):
     ) -> BatchOutput:
         """One control period of all trains; arguments as ``Controller.step``, arrays of shape (N,)."""
         number = self.arithmetic
-        try:
-            inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
-        except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
-            raise self.failed(fault, "step") from fault
+        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         told = zip(self._loop.law.notes, outputs.notes, strict=True)
         notes = tuple(on_wire_batch(note, self._raw(value, note.q)) for note, value in told)
         error = number.sub(inputs.set_point, inputs.speed)
@@ -84,11 +71,7 @@ class BatchController(LawController):
 
     def sent(self, notch_code: NDArray[np.int64]) -> None:
         """Like ``Controller.sent``, for all trains, after the first step."""
-        try:
-            self._loop.sent(self.arithmetic.from_raw(notch_code, NOTCH_Q))
-        except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
-            raise self.failed(fault, "with_sent") from fault
+        self._loop.sent(self.arithmetic.from_raw(notch_code, NOTCH_Q))
         self.telemetry.take(self.arithmetic)
 
     def _raw(self, value: Any, q: int) -> NDArray[np.int64]:

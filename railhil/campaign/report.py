@@ -18,8 +18,8 @@ from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
 from railhil.judge.judging import Judging
 from railhil.record.hash_list import REPORT, check_hash_list
-from railhil.report.study_page import Link, Part, Table, study_page
-from railhil.report.templates import write_html
+from railhil.report.study_page import Part, Table, study_page
+from railhil.report.templates import Link, write_html
 from railhil.scenarios.given import RecordedController, is_law_name
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.finished import finished_rows, finished_summary

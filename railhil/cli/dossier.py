@@ -7,6 +7,7 @@ from pathlib import Path
 
 from railhil.bus.select import choose_bus
 from railhil.cli.doctor import facts
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.extras import missing_library
 from railhil.common.output import Output
@@ -57,13 +58,15 @@ def work(namespace: argparse.Namespace) -> int:
 
     out = Path(namespace.out)
     check_out(out)
+    lists = [Path(name) for name in namespace.requirements if is_list(name)]
+    if len({path.name for path in lists}) < len(lists):
+        raise InputError("command line", "--requirements", Words("two lists of one name"), "names of their own")
     check_key(namespace.sign)
     found = make_dossier(
         namespace.folder, named_requirements(namespace.requirements, prose=True), namespace.key, namespace.validation,
         facts({}, choose_bus({})),
     )  # fmt: skip
     with refuse_unwritable("--out", out, "folder"):
-        lists = [Path(name) for name in namespace.requirements if is_list(name)]
         write_dossier(found, page(found, out), out, namespace.sign, lists)
     code = PASS if found.is_complete else FAIL
     if namespace.json:

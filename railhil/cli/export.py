@@ -13,6 +13,7 @@ from railhil.common.extras import allow_asammdf, missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
+from railhil.record.hash_list import check_free
 from railhil.report.files.content import Content, parsed_start
 from railhil.scenarios.options import add_option
 
@@ -81,6 +82,7 @@ def work(namespace: argparse.Namespace) -> int:
     for note in content.record.unused:
         Output(stderr=True).say(note)
     for name, path in _places(namespace.out, content.record.log.parent, wanted).items():
+        check_free("--out", path, [content.record.log])
         with refuse_unwritable("--out", path, "file"):
             path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(path) as draft:

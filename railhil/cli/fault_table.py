@@ -11,7 +11,7 @@ from railhil.common.user_files import RecordFailed, whole_file
 from railhil.judge.folder import code_sha256, made_by
 from railhil.record.documents import FAULT_TABLE
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import json_text
+from railhil.record.run_folder import json_text, recorded_by
 from railhil.record.signature import sign_list
 from railhil.run.report import say_report
 from railhil.scenarios.run_spec import RunSpec
@@ -46,6 +46,7 @@ def keep_table(
         # The run folder of an entry with a law of its own names this law.
         "controller": base.law.controller,
         "seed": base.seed,
+        "recorded": recorded_by(),
         **further,
         **made_by(system, base.law.controller, code_sha256()),
         "rows": list(rows),

@@ -27,10 +27,11 @@ from railhil.faults.language import parse
 from railhil.faults.page import lines
 from railhil.faults.words import CLEAR, PLACES, WORDS
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
-from railhil.judge.reactions.evaluate import Row, evaluated, seen_in
+from railhil.judge.reactions.evaluate import Row, decided, evaluated, seen_in
 from railhil.record.run_folder import remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key
 from railhil.run.make import NeverBegan, run_into
+from railhil.run.spec import with_requirements
 from railhil.scenarios.given import given_controller
 from railhil.scenarios.options import OR_YOURS, add_option
 from railhil.scenarios.run_spec import RunSpec
@@ -59,6 +60,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_option(parser, "--jobs", ", with --bus local", default=processors())
     add_option(parser, "--out DIR", ", a folder for each entry", type=Path, usual="none is kept")
+    add_option(parser, "--requirements")
     add_sign_argument(parser)
     add_json_argument(parser)
     parser.set_defaults(work=work)
@@ -130,7 +132,10 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
     if not row.made:
         # The condition of its faults did not occur: the table has no run of it, nor the folder.
         shutil.rmtree(out / entry.id)
-    return row
+        return row
+    outcomes = result.score.requirements
+    violated = [one.line for one in outcomes if one.violated]
+    return replace(row, failures=[*row.failures, *violated], requirements=decided(outcomes))
 
 
 def _millis(seconds: float | None, since_s: float | None) -> str:
@@ -181,7 +186,7 @@ def work(namespace: argparse.Namespace) -> int:
     system = run_system(namespace)
     if namespace.controller and given_controller(namespace.controller) is None:
         system.check_law(namespace.controller, "command line", "--controller")
-    base = run_spec(namespace, namespace.controller, None)
+    base = with_requirements(run_spec(namespace, namespace.controller, None), namespace.requirements)
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)
     check_key(namespace.sign)

@@ -14,6 +14,7 @@ from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import refuse_unwritable, write_synced
+from railhil.record.hash_list import check_free
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, MemoryPlace, MemoryRecord
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, read_memory
@@ -134,6 +135,7 @@ def _export(namespace: argparse.Namespace) -> int:
         found = Words(f"has no record in {namespace.slot}" if namespace.slot else "has no record that can be used")
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")
     out: Path = namespace.out
+    check_free("--out", out)
     with refuse_unwritable("--out", out, "file"):
         write_synced(out, record.content)
     if namespace.json:

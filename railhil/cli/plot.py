@@ -10,6 +10,7 @@ from railhil.common.extras import missing_library
 from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable, whole_file
 from railhil.judge.record import checked_record
+from railhil.record.hash_list import check_free
 from railhil.record.sampling import drawn_trace
 from railhil.scenarios.options import add_option, add_options
 
@@ -43,6 +44,7 @@ def work(namespace: argparse.Namespace) -> int:
     out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
     if out.suffix.lower() not in _SUFFIXES:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
+    check_free("--out", out)
     with refuse_unwritable("--out", out, "file"), whole_file(out) as draft:
         draw(record.scenario, trace, draft)
     for note in record.unused:

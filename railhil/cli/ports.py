@@ -15,6 +15,7 @@ from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import given_text, refuse_unreadable, refuse_unwritable, whole_file
 from railhil.dbc import Contract, Port
 from railhil.dbc.text import dbc_text
+from railhil.record.hash_list import check_free
 from railhil.scenarios.options import add_option
 from railhil.scenarios.system import DEFAULT, system_named
 
@@ -59,6 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.dbc:
         check_foreign_dbc(namespace.dbc, contract)
     if namespace.write_dbc is not None:
+        check_free("--write-dbc", namespace.write_dbc)
         with refuse_unwritable("--write-dbc", namespace.write_dbc, "file"), whole_file(namespace.write_dbc) as draft:
             draft.write_text(dbc_text(contract), "utf-8")
     loads = bus_load(contract, bit_rate)

@@ -14,7 +14,7 @@ from railhil.common.output import Output
 from railhil.common.user_files import refuse_unwritable
 from railhil.judge.record import Record, checked_record
 from railhil.record.documents import COMPARISON, FAULT_TABLE, read_comparison
-from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.record.hash_list import REPORT, check_free, check_hash_list
 from railhil.report.noise import Noise
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
@@ -91,6 +91,7 @@ def _write(given: Sequence[Path], namespace: argparse.Namespace, write: Callable
         out = (given[0] if given[0].is_dir() else given[0].parent) / REPORT
     else:
         out = Path(REPORT)
+    check_free("--out", out)
     with refuse_unwritable("--out", out, "file"):
         write(out)
     Output().say(str(out))

@@ -18,6 +18,7 @@ from railhil.judge.events.summary import explained, summary, why
 from railhil.judge.record import Record, checked_record
 from railhil.record.documents import CERTIFICATE
 from railhil.record.framelog import log_sha256
+from railhil.record.hash_list import check_free
 from railhil.report.facts import memory_sentence
 from railhil.scenarios.options import add_options
 from railhil.scenarios.settings import required
@@ -75,6 +76,7 @@ def _write_results(record: Record, words: Sequence[str], invalid: str, out: str)
     if len(lists) != 1:
         allowed = "--requirements with one list in ReqIF"
         raise InputError("command line", "--results", Words(count_of(len(lists), "list")), allowed)
+    check_free("--results", Path(out), lists)
     frames = record.frames_sha256 or log_sha256(record.log)
     run = f"{record.title}, verdict {record.verdict}, frames.log sha256 {frames}, railhil {full_version()}"
     results = {

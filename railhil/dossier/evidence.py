@@ -9,7 +9,7 @@ from typing import Any
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
-from railhil.common.user_files import given_json
+from railhil.common.user_files import given_json, refuse_unreadable
 from railhil.index.find import RUN
 from railhil.judge.evidence import Checked, check_folder_alone, folders_below, is_evidence, signature_sentence
 from railhil.judge.record import Record
@@ -101,7 +101,7 @@ def folders_of(given: Sequence[Path]) -> list[Path]:
     """
     found: dict[Path, Path] = {}
     for folder in given:
-        own = list(_walk(folder)) if folder.is_dir() else []
+        own = [path for path in places_of(folder) if (path / LOG_NAME).is_file() or is_evidence(path)]
         if not own:
             missing = Words("does not exist" if not folder.exists() else "has no evidence")
             raise InputError(folder, "", missing, f"a folder with run folders, or with one of {', '.join(DOCUMENTS)}")
@@ -109,16 +109,21 @@ def folders_of(given: Sequence[Path]) -> list[Path]:
     return list(found.values())
 
 
-def _walk(folder: Path) -> Iterator[Path]:
-    if (folder / DOSSIER).is_file():
-        return
-    has_log = (folder / LOG_NAME).is_file()
-    if has_log or is_evidence(folder):
-        yield folder
-    if not has_log and not (folder / CERTIFICATE).is_file():
-        for path in sorted(folder.iterdir()):
-            if path.is_dir() and not path.is_symlink() and not path.name.startswith("."):
-                yield from _walk(path)
+def places_of(folder: Path) -> Iterator[Path]:
+    """A folder and those below it, but for dossiers and what is in the folder of a run.
+
+    :raises InputError: one of them cannot be read.
+    """
+    places = [folder] if folder.is_dir() else []
+    while places:
+        place = places.pop()
+        if (place / DOSSIER).is_file():
+            continue
+        yield place
+        if not any((place / name).is_file() for name in (LOG_NAME, CERTIFICATE)):
+            with refuse_unreadable(place, "a folder that can be read"):
+                below = [one for one in place.iterdir() if one.is_dir() and not one.is_symlink()]
+            places += sorted((one for one in below if not one.name.startswith(".")), reverse=True)
 
 
 def read_evidence(folders: Sequence[Path], listed: Sequence[Requirement], key: Path | None) -> Iterator[Evidence]:

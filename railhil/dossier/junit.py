@@ -7,14 +7,14 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_bytes, given_json, given_text, refuse_unreadable
-from railhil.dossier.evidence import Evidence
+from railhil.dossier.evidence import Evidence, places_of
 from railhil.record.hash_list import changed_files, read_hash_list
 from railhil.testing.requirements import COLUMNS, FILE_NAME, PROPERTY, SAYS, folder_name, requirements
 
@@ -73,10 +73,9 @@ def test_files(given: Sequence[Path], evidence: Iterable[Evidence]) -> Iterator[
     """The tables of requirements and the JUnit reports at and below the given folders, but those of runs."""
     # A list of hashes beside a table does not make its folder one of a run.
     runs = {one.folder.resolve() for one in evidence if one.is_record}
-    for folder in given:
-        for path in sorted(folder.rglob("*")):
-            is_named = path.name == FILE_NAME or path.suffix.lower() == ".xml"
-            if is_named and path.is_file() and path.resolve().parent not in runs:
+    for place in (place for folder in given for place in places_of(folder) if place.resolve() not in runs):
+        for path in sorted(place.iterdir()):
+            if (path.name == FILE_NAME or path.suffix.lower() == ".xml") and path.is_file():
                 yield path
 
 
@@ -91,7 +90,8 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
     found = {one.document.get("frames_sha256"): one.number for one in reversed(evidence)}
     # Tables have the ids of pytest, reports their own names of the same tests.
     places = sorted(files, key=lambda one: one.name != FILE_NAME)
-    listed = {str(path): _is_as_listed(path, evidence) for path in places}
+    folders = {one.folder.resolve(): one for one in evidence}
+    listed = {str(path): _is_as_listed(path, folders) for path in places}
     for path in places:
         for outcome, test, properties in _of_table(path) if path.name == FILE_NAME else _of_junit(path):
             name = names.setdefault(_in_junit(test), test)
@@ -99,7 +99,7 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
             own = runs.setdefault(name, _Runs())
             own.files[str(path)] = None
             if path.name == FILE_NAME:
-                own.numbers |= set(_beside(path, test, evidence))
+                own.numbers |= set(_beside(path, test, folders))
             hashes = [value for key, value in properties if _HASH.fullmatch(key)]
             own.numbers |= {found[value] for value in hashes if value in found}
             own.missing = max(own.missing, sum(value not in found for value in hashes))
@@ -112,19 +112,18 @@ def read_tests(files: Iterable[Path], evidence: Sequence[Evidence]) -> list[Test
     ]  # fmt: skip
 
 
-def _is_as_listed(path: Path, evidence: Iterable[Evidence]) -> bool | None:
+def _is_as_listed(path: Path, folders: Collection[Path]) -> bool | None:
     """Whether a file has the hash that the list of a folder of evidence above it has; None: no list has it."""
     place = path.resolve()
-    for folder in (one.folder.resolve() for one in evidence):
-        if folder in place.parents:
-            name = place.relative_to(folder).as_posix()
-            try:
-                hashes = read_hash_list(folder) or {}
-            except InputError:
-                # The folder has this problem already.
-                return False
-            if name in hashes:
-                return not any(changed_files(folder, {name: hashes[name]}))
+    for folder in (one for one in place.parents if one in folders):
+        name = place.relative_to(folder).as_posix()
+        try:
+            hashes = read_hash_list(folder) or {}
+        except InputError:
+            # The folder has this problem already.
+            return False
+        if name in hashes:
+            return not any(changed_files(folder, {name: hashes[name]}))
     return None
 
 
@@ -134,11 +133,12 @@ def _in_junit(name: str) -> str:
     return place.replace(".py::", ".").replace("::", ".").replace("/", ".") + bracket + parameter
 
 
-def _beside(path: Path, test: str, evidence: Sequence[Evidence]) -> Iterator[int]:
+def _beside(path: Path, test: str, folders: Mapping[Path, Evidence]) -> Iterator[int]:
     """The runs of a test beside its table, by the names of their folders."""
     name = re.compile(rf"{re.escape(folder_name(test))}(-\d+)?")
-    for one in evidence:
-        if one.folder.resolve().parent == path.resolve().parent and name.fullmatch(one.folder.name):
+    place = path.resolve().parent
+    for folder, one in folders.items():
+        if folder.parent == place and name.fullmatch(one.folder.name):
             yield one.number
 
 

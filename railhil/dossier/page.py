@@ -85,12 +85,12 @@ def _cell(item: Evidence, claim: Claim) -> tuple[str, str, str]:
 
 def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
     """The runs that a claim's page has as rows, and sentences on the others."""
-    said = [run for run in claim.runs if run.verdict in (VIOLATED, KEPT, OPEN) or run.evidence.problems]
+    said = [run for run in claim.runs if _is_row(run)]
     shown = said[:_ROWS_MAX]
     others = by_key(
         (run.verdict or run.why_not, run.evidence)
         for run in claim.runs
-        if run not in said and (run.counts or not run.verdict)
+        if not _is_row(run) and (run.counts or not run.verdict)
     )
     rest = [f"{word} in {count_of(len(items), 'run')}: {named(items)}" for word, items in others.items()]
     if further := said[_ROWS_MAX:]:
@@ -98,3 +98,7 @@ def _rows(claim: Claim) -> tuple[list[Run], list[str]]:
             0, f"{count_of(len(further), 'further run')} with larger margins: {named(run.evidence for run in further)}"
         )
     return shown, rest
+
+
+def _is_row(run: Run) -> bool:
+    return run.verdict in (VIOLATED, KEPT, OPEN) or bool(run.evidence.problems)

@@ -1,4 +1,4 @@
-"""A few points of the speed of each run, kept with the index.
+"""A few points of the signals of a run, for the page of an index.
 
 The points are rows of ``signals.csv``: every 2**k-th one. Runs of one system have points at the same instants, so that
 their difference is one of recorded values.
@@ -12,21 +12,24 @@ from typing import Any, Final
 
 import pyarrow as pa
 import pyarrow.csv as pc
-import pyarrow.parquet as pq
 
 from railhil.common.errors import InputError
-from railhil.common.user_files import whole_file
-from railhil.index.find import INDEX
-from railhil.index.tables import read_parquet
-from railhil.report.display_columns import ShownColumn, shown_columns
+from railhil.record.documents import read_certificate
+from railhil.report.display_columns import Shown, ShownColumn, shown_columns
 from railhil.scenarios.scenario_documents import SCENARIO, read_scenario
 
-_FILE: Final = "curves.parquet"
 _SIGNALS: Final = "signals.csv"
 #: Largest number of points of a curve.
 POINTS_MAX: Final = 300
-_NUMBERS = pa.list_(pa.float64())
-_SCHEMA = pa.schema([("folder", pa.string()), ("stamp", pa.string()), ("time_s", _NUMBERS), ("speed", _NUMBERS)])
+
+
+def shown_signals(folder: Path) -> Shown | None:
+    """The columns of a run; None: its system is not installed, or a file is damaged."""
+    try:
+        notes = (read_certificate(folder) or {}).get("notes")
+        return shown_columns(read_scenario(folder / SCENARIO), notes=notes)
+    except InputError:
+        return None
 
 
 def speed_columns(root: Path, folders: Mapping[str, Sequence[str]]) -> dict[str, ShownColumn]:
@@ -36,66 +39,33 @@ def speed_columns(root: Path, folders: Mapping[str, Sequence[str]]) -> dict[str,
     """
     found: dict[str, ShownColumn] = {}
     for system, own in folders.items():
-        for folder in own[:3]:
-            try:
-                shown = shown_columns(read_scenario(root / folder / SCENARIO))
-            except InputError:
-                # The system is not installed, or this folder is damaged: the next one may do.
-                continue
-            if column := shown.named(shown.speed):
-                found[system] = column
-            break
+        shown = next((shown for folder in own[:3] if (shown := shown_signals(root / folder))), None)
+        if column := shown and shown.named(shown.speed):
+            found[system] = column
     return found
 
 
-def curves(root: Path, asked: Iterable[tuple[str, str]]) -> dict[str, tuple[list[float], list[float]]]:
-    """Instants (s) and speeds (unit of ``signals.csv``) of runs by folder; without those that have no such file.
+def curves(folder: Path, columns: Iterable[ShownColumn]) -> dict[str, Any] | None:
+    """Points of a run: ``time_s``, and ``columns``: label, unit, factor and values by name, a value that is not known
+    is None.
 
-    :param asked: folder, and name of its column.
+    None: the run has no such file or columns, as one that was INVALID before its first row.
     """
-    kept = _read(root)
-    found = {}
-    for folder, column in asked:
-        try:
-            file = (root / folder / _SIGNALS).stat()
-        except OSError:
-            # A run that was INVALID before its first row has none.
-            continue
-        stamp = f"{column}:{file.st_mtime_ns}:{file.st_size}"
-        known = kept.get(folder)
-        row = known if known is not None and known["stamp"] == stamp else _points(root, folder, column, stamp)
-        if row is not None:
-            found[folder] = row
-    _write(root, [*found.values()])
-    return {folder: (row["time_s"], row["speed"]) for folder, row in found.items()}
-
-
-def _points(root: Path, folder: str, column: str, stamp: str) -> dict[str, Any] | None:
+    told = {one.name: [one.label, one.unit, one.factor] for one in columns}
+    names = ["time_s", *told]
     try:
-        table = pc.read_csv(
-            root / folder / _SIGNALS, convert_options=pc.ConvertOptions(include_columns=["time_s", column])
-        )
+        table = pc.read_csv(folder / _SIGNALS, convert_options=pc.ConvertOptions(include_columns=names))
+        step = 1
+        while table.num_rows / step > POINTS_MAX:
+            step *= 2
+        rows = {name: table[name].cast(pa.float64()).to_pylist()[::step] for name in names}
     except (OSError, pa.ArrowException, KeyError):
         return None
-    step = 1
-    while table.num_rows / step > POINTS_MAX:
-        step *= 2
-    time_s, speed = (table[name].cast(pa.float64()).to_pylist()[::step] for name in ("time_s", column))
-    return {"folder": folder, "stamp": stamp, "time_s": time_s, "speed": speed}
+    values = {name: [None if one is None or one != one else one for one in own] for name, own in rows.items()}
+    return {"time_s": values["time_s"], "columns": {name: [*one, values[name]] for name, one in told.items()}}
 
 
-def _read(root: Path) -> dict[str, dict[str, Any]]:
-    try:
-        return {row["folder"]: row for row in read_parquet(root / INDEX / _FILE).cast(_SCHEMA).to_pylist()}
-    except (OSError, ValueError, pa.ArrowException):
-        return {}
-
-
-def _write(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    try:
-        with whole_file(root / INDEX / _FILE) as draft:
-            table = pa.Table.from_pylist(list(rows), _SCHEMA)
-            pq.write_table(table, draft, compression="zstd", write_page_checksum=True)
-    except OSError:
-        # As the index itself, which has said so.
-        return
+def all_curves(folder: Path) -> dict[str, Any] | None:
+    """:func:`curves` of all columns of a run."""
+    shown = shown_signals(folder)
+    return None if shown is None else curves(folder, shown.columns)

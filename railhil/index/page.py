@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from railhil.charts import static_text
 from railhil.common.errors import InputError
-from railhil.index.curves import curves, speed_columns
+from railhil.index.curves import all_curves, curves, speed_columns
 from railhil.index.find import RUN
 from railhil.index.rows import FACTS, LISTS
 from railhil.index.show import Row, all_rows, doubts
@@ -23,8 +23,9 @@ from railhil.report.display_columns import ShownColumn
 from railhil.report.templates import template, write_html
 from railhil.scenarios.system import names, system_named
 
-#: Runs whose curves are in the page: the newest ones.
+#: Newest runs whose speeds are in a page that nobody serves, and those of them with all signals.
 CURVES_MAX: Final = 200
+SIGNALS_MAX: Final = 12
 #: Digits of a hash that are shown.
 _HASH_DIGITS = 12
 #: Columns of every row; the others are those of a run.
@@ -76,7 +77,6 @@ def _data(index: Index, rows: Sequence[Row], links: str, is_served: bool) -> dic
     for row in runs:
         folders.setdefault(str(row["system"]), []).append(row["folder"])
     speeds = speed_columns(index.root, {name: own for name, own in folders.items() if name in names()})
-    drawn = [(row["folder"], speeds[row["system"]].name) for row in runs[-CURVES_MAX:] if row["system"] in speeds]
     columns = {name: _column([row.get(name) for row in rows]) for name in (*_COMMON, *_OF_RUNS)}
     columns["made"] = _column([round(row["made"].timestamp()) for row in rows])
     keys = [*index.score_keys, *(f"signed_{key}" for key in index.score_keys)]
@@ -95,8 +95,18 @@ def _data(index: Index, rows: Sequence[Row], links: str, is_served: bool) -> dic
             for one in index.tables["requirements"].to_pylist()
         ],
         "new": [place for place, row in enumerate(rows) if row["is_new"]],
-        "curves": curves(index.root, drawn),
+        # A page that is served asks for those of the runs that are compared.
+        "curves": {} if is_served else _curves(index.root, runs, speeds),
     }
+
+
+def _curves(root: Path, runs: Sequence[Row], speeds: Mapping[str, ShownColumn]) -> dict[str, Any]:
+    """Points by folder."""
+    found = {row["folder"]: all_curves(root / row["folder"]) for row in runs[-SIGNALS_MAX:]}
+    for row in runs[-CURVES_MAX:-SIGNALS_MAX]:
+        if row["system"] in speeds:
+            found[row["folder"]] = curves(root / row["folder"], [speeds[row["system"]]])
+    return {folder: one for folder, one in found.items() if one}
 
 
 def _column(values: Sequence[Any]) -> dict[str, Any]:
@@ -125,6 +135,4 @@ def _system(name: str, speeds: Mapping[str, ShownColumn]) -> dict[str, Any]:
          "signed": one.signed, "brief": one.on_terminal}
         for one in judging.criteria
     ]  # fmt: skip
-    speed = speeds.get(name)
-    shown = None if speed is None else {"label": speed.label, "unit": speed.unit, "factor": speed.factor}
-    return {"criteria": criteria, "speed": shown}
+    return {"criteria": criteria, "speed": speeds[name].name if name in speeds else None}

@@ -85,24 +85,30 @@ def foreign_rows(found: Found) -> Rows:
     return {"folders": [head_of(found) | {"problem": said}]}
 
 
-def _check(folder: Path, name: str, document: Document | None, beside: str) -> None:
-    """Refuse documents that are not as listed, or not listed beside others that are. Raises InputError."""
+def _checked(folder: Path, name: str, document: Document | None, beside: str = "") -> Document:
+    """The document of a folder. Refuses documents that are not as listed, or not listed beside others that are, or
+    gone since the folder was found. Raises InputError."""
     hashes = check_document(folder, name, document)
+    if document is None:
+        raise InputError(folder / name, "", Words("does not exist"), "what railhil has written")
     if hashes and beside and beside not in hashes and (folder / beside).is_file():
         raise InputError(folder / HASH_LIST, "", Words(f"has no line of {beside}"), "the hash of each file")
     for changed in changed_files(folder, {beside: hashes[beside]} if beside in hashes else {}):
         raise changed.error(folder)
+    return document
+
+
+def _dated(recorded: Document) -> dict[str, Any]:
+    """When a record was made, as it says itself: it is the same in a copy, whose files may have other dates."""
+    if "utc" not in recorded:
+        return {}
+    return {"dated_by": RECORDED, "made": datetime.fromisoformat(recorded["utc"]).astimezone(UTC)}
 
 
 def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
-    certificate, score = read_certificate(folder), read_score(folder)
-    _check(folder, CERTIFICATE, certificate, SCORE)
-    assert certificate is not None
-    score, recorded = score or {}, certificate.get("recorded") or {}
-    if "utc" in recorded:
-        # It is the same in a copy, whose files may have other dates.
-        head["dated_by"] = RECORDED
-        head["made"] = datetime.fromisoformat(recorded["utc"]).astimezone(UTC)
+    certificate = _checked(folder, CERTIFICATE, read_certificate(folder), SCORE)
+    score, recorded = read_score(folder) or {}, certificate.get("recorded") or {}
+    head |= _dated(recorded)
     run, parameters = score.get("run", {}), certificate.get("parameters")
     law = law_label(certificate, "?")
     common = {
@@ -171,7 +177,7 @@ def _events(path: Path) -> Iterable[dict[str, Any]]:
 def _study(folder: Path, found: Found) -> tuple[dict[str, Any], Document]:
     """What a study tells in any case, and its summary, which is empty while it is not finished."""
     manifest = given_json(folder / found.document, "what railhil has written")
-    _check(folder, found.document, manifest, SUMMARY)
+    _checked(folder, found.document, manifest, SUMMARY)
     summary = given_json(folder / SUMMARY, "what railhil has written") if SUMMARY in found.names else {}
     identity = manifest.get(found.kind, {})
     told = {"scenario": identity.get("scenario"), "version": manifest.get("railhil"), "law": identity.get("law")}
@@ -224,14 +230,12 @@ def _of_learn(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 def _of_dossier(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     document = given_json(folder / found.document, "what railhil dossier has written")
-    _check(folder, found.document, document, "")
+    _checked(folder, found.document, document)
     return {"version": document["written"]["railhil"], "line": document["headline"]}, {}
 
 
 def _of_compare(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    document = read_comparison(folder)
-    _check(folder, found.document, document, "")
-    assert document is not None
+    document = _checked(folder, found.document, read_comparison(folder))
     runs = document["runs"]
     line = ", ".join(f"{one['label']} {one['verdict']}" for one in runs)
     told = {"scenario": document.get("scenario"), "seed": document.get("seed"), "line": line}
@@ -243,7 +247,7 @@ def _of_compare(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 def _of_sequence(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     document = given_json(folder / found.document, "what railhil sequence has written")
-    _check(folder, found.document, document, "")
+    _checked(folder, found.document, document)
     first, made = document["first"], document["made"]
     told = {"scenario": first.get("scenario"), "law": first.get("controller"), "seed": first.get("seed")}
     line = f"{len(made)} of {count_of(document['runs'], 'run')}"
@@ -252,9 +256,7 @@ def _of_sequence(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
 
 
 def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
-    document = read_fault_table(folder)
-    _check(folder, found.document, document, "")
-    assert document is not None
+    document = _checked(folder, found.document, read_fault_table(folder))
     wrong = [str(one.get("entry")) for one in document["rows"] if one.get("failures")]
     said = f"not as they must be: {', '.join(wrong)}" if wrong else "all as they must be"
     if missing := fault_entries_missing(document):
@@ -264,6 +266,7 @@ def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
         said += f"; {count_of(len(pairs), 'random pair')}, {broken} break a rule"
     told = {name: document.get(name) for name in ("scenario", "system")}
     told |= {"law": document.get("controller"), "version": document.get("railhil")}
+    told |= _dated(document.get("recorded") or {})
     told |= {"line": f"{count_of(len(document['rows']), 'entry', 'entries')}, {said}"}
     rows = [
         {"folder": found.folder} | _only(one, REACTION) | {"failures": "; ".join(one.get("failures", []))}

@@ -58,7 +58,7 @@ SCHEMAS: Final[Mapping[str, pa.Schema]] = {
     ),
 }  # fmt: skip
 #: What rows mean beside their columns: another number when they are read in another way.
-_READING = 3
+_READING = 4
 _FORMAT = sha256(f"{_READING} {[str(one) for one in SCHEMAS.values()]}".encode()).digest()
 
 
@@ -100,7 +100,11 @@ def open_index(
     read: list[tuple[Found, Rows]] = []
     for done, one in enumerate(changed):
         progress(done, len(changed))
-        read.append((one, rows_of(root, one)))
+        rows = rows_of(root, one)
+        if (root / one.folder).is_dir():
+            read.append((one, rows))
+        else:
+            remarks.append(f"{root / one.folder} is left out: it was removed while it was read")
     if kept and not changed and len(same) == len(stamps):
         # Making a table, even an empty one, would load pandas.
         return Index(root, kept, remarks=remarks)

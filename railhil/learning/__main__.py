@@ -17,6 +17,7 @@ from railhil.controller_node.high_speed.network import HIDDEN_MAX
 from railhil.controller_node.high_speed.training import Recipe
 from railhil.judge.record import checked_record
 from railhil.learning.models import describe_training, render_file, train_models
+from railhil.record.hash_list import check_free
 from railhil.scenarios.options import add_option
 
 #: Kind on the command line -> law that uses the networks.
@@ -87,6 +88,7 @@ def _work(namespace: argparse.Namespace) -> int:
     law = _LAWS[namespace.kind]
     file = Path(namespace.out or f"{law}_{record.scenario.name}.toml")
     # Check before the work, not after it.
+    check_free("--out", file)
     with refuse_unwritable("--out", file, "file"):
         check_writable(file)
     ridge = None if namespace.pinv else namespace.ridge

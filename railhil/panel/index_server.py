@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from hashlib import sha256
@@ -15,6 +16,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from railhil.common.errors import InputError
+from railhil.index.curves import all_curves
 from railhil.index.find import RUN, find_folders
 from railhil.index.page import page
 from railhil.index.tables import open_index
@@ -22,12 +24,13 @@ from railhil.panel.recorded import RecordedRuns
 from railhil.panel.server import RATE_HZ, REPORT_POLICY, PanelServer
 from railhil.record.hash_list import REPORT
 
-#: Paths of the page of some runs, and of the request for one: run=FOLDER, once or several times.
-_PANEL, _OPEN, _REPORT = "/panel/", "/panel/open", "/report"
+#: Paths of the page of some runs, and of requests for one, for a report and for the signals of a run: run=FOLDER, once
+#: or several times.
+_PANEL, _OPEN, _REPORT, _SIGNALS = "/panel/", "/panel/open", "/report", "/signals"
 #: Pages that are kept; of more the one that was opened first is forgotten.
 _PAGES_MAX = 12
-#: The page's own program stands in it, as in a report; it may remember when its reader looked.
-_INDEX_POLICY = REPORT_POLICY.replace("sandbox allow-scripts; ", "")
+#: The page's own program stands in it, as in a report; it may remember when its reader looked, and ask for signals.
+_INDEX_POLICY = REPORT_POLICY.replace("sandbox allow-scripts", "connect-src 'self'")
 
 
 class IndexServer(PanelServer):
@@ -58,17 +61,21 @@ class IndexServer(PanelServer):
         if request.headers.get("Host") not in self._hosts:
             return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
         parts = urlsplit(request.path)
-        if parts.path in (_OPEN, _REPORT):
+        if parts.path in (_OPEN, _REPORT, _SIGNALS):
             folders = parse_qs(parts.query).get("run", [])
             known = {one.folder: one for one in find_folders(self._root)[0]}
             if not folders or any(one not in known for one in folders):
                 return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
             if parts.path == _OPEN and all(known[one].kind == RUN for one in folders):
                 return self._open(connection, folders)
-            file = self._root / folders[0] / REPORT
-            if not file.is_file():
+            if parts.path == _SIGNALS:
+                text = json.dumps(all_curves(self._root / folders[0]))
+                return self._page(text.encode(), "application/json", REPORT_POLICY)
+            try:
+                content = (self._root / folders[0] / REPORT).read_bytes()
+            except OSError:
                 return connection.respond(HTTPStatus.NOT_FOUND, "not found\n")
-            return self._page(file.read_bytes(), "text/html", REPORT_POLICY)
+            return self._page(content, "text/html", REPORT_POLICY)
         if parts.path.startswith(_PANEL):
             key, _, rest = parts.path.removeprefix(_PANEL).partition("/")
             if key not in self._opened:

@@ -134,6 +134,7 @@ class _FaultRow(_Part):
     refused: str
     shown_s: dict[str, float | None] = {}
     safe_s: float | None = None
+    requirements: dict[str, str] = {}
 
 
 class _FaultPair(_Part):
@@ -143,18 +144,19 @@ class _FaultPair(_Part):
     failures: list[str]
 
 
-class _FaultTable(_MadeBy):
-    scenario: str = ""
-    seed: int | None = None
-    entries: list[str] = []
-    pairs: list[_FaultPair] = []
-    rows: list[_FaultRow]
-
-
 class _Recorded(_Part):
     utc: str
     host: str
     operator: str
+
+
+class _FaultTable(_MadeBy):
+    scenario: str = ""
+    seed: int | None = None
+    recorded: _Recorded | None = None
+    entries: list[str] = []
+    pairs: list[_FaultPair] = []
+    rows: list[_FaultRow]
 
 
 class _Certificate(_MadeBy):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -42,6 +42,8 @@ REPORT: Final = "report.html"
 #: Key of certificates and manifests: the name of the list.
 HASH_LIST_KEY: Final = "hash_list"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n]+)\n")
+#: How far above a folder the list is that has its list: ``again/LAW-SEED`` of a campaign.
+_DEPTH_MAX = 2
 _UNCHANGED = "a file that nobody changed"
 _MISSING = "no such file"
 
@@ -91,22 +93,57 @@ def write_hash_list(folder: Path, instead: Mapping[str, Path] | None = None, onl
     write_hashes(folder, {name: sha256_of(instead.get(name, folder / name)) for name in names})
 
 
+def check_free(option: str, out: Path, read: Sequence[Path] = ()) -> None:
+    """Refuse to write over a file of a record, or over one that the same command reads. A page may be written again.
+
+    :param option: that names the file. :param read: the files that the command reads.
+    :raises InputError: it is such a file, or the list beside it is damaged.
+    """
+    if any(out.exists() and one.exists() and out.samefile(one) for one in read):
+        raise InputError("command line", option, str(out), "another file than the one that is read")
+    hashes = _list_of(out.parent) if out.is_file() else None
+    if hashes and out.name in (HASH_LIST, SIGNATURE, *hashes) and not out.suffix.lower().startswith(".htm"):
+        raise InputError("command line", option, str(out), f"no file that {HASH_LIST} beside it lists")
+
+
 @contextmanager
 def listed_file(path: Path) -> Iterator[Path]:
     """:func:`railhil.common.user_files.whole_file`, which also enters the file into the list of its folder if that has
-    one; a signed list stays as it is.
+    one, and that list into those of the folders above; a signed list stays as it is.
 
-    :raises InputError: the file is in a signed list, or the list is damaged.
+    :raises InputError: the file is in a signed list, or in a folder of one, or a list is damaged.
     :raises OSError: file or list cannot be written.
     """
-    hashes = read_hash_list(path.parent) if any((path.parent / name).is_file() for name in DOCUMENTS) else None
-    is_signed = (path.parent / SIGNATURE).is_file()
-    if hashes is not None and is_signed and path.name in hashes:
-        raise InputError(path, "", Words(f"belongs to a signed folder ({SIGNATURE})"), "--out FILE elsewhere")
+    lists = list(_lists_of(path))
+    for folder, name, hashes in lists:
+        if name in hashes and (folder / SIGNATURE).is_file():
+            raise InputError(path, "", Words(f"belongs to a signed folder ({SIGNATURE})"), "--out FILE elsewhere")
     with whole_file(path) as draft:
         yield draft
-    if hashes is not None and not is_signed:
-        write_hashes(path.parent, hashes | {path.name: sha256_of(path)})
+    for folder, name, hashes in lists:
+        if not (folder / SIGNATURE).is_file():
+            write_hashes(folder, hashes | {name: sha256_of(folder / name)})
+
+
+def _lists_of(path: Path) -> Iterator[tuple[Path, str, dict[str, str]]]:
+    """The lists that have a file or are to have it, the innermost first: folder, name there, hashes. Those above have
+    the list below; one that does not say what is there is left as it is."""
+    folder, name = path.absolute().parent, path.name
+    hashes = _list_of(folder)
+    while hashes is not None:
+        yield folder, name, hashes
+        below, hashes = folder, None
+        for above in () if (below / SIGNATURE).is_file() else below.parents[:_DEPTH_MAX]:
+            name = f"{below.relative_to(above).as_posix()}/{HASH_LIST}"
+            found = _list_of(above) or {}
+            if found.get(name) == sha256_of(below / HASH_LIST):
+                folder, hashes = above, found
+                break
+
+
+def _list_of(folder: Path) -> dict[str, str] | None:
+    """The list of a folder of evidence; None: there is none, or it is that of something else."""
+    return read_hash_list(folder) if any((folder / name).is_file() for name in DOCUMENTS) else None
 
 
 def enter(folder: Path, hashes: Mapping[str, str], name: str, content: bytes) -> dict[str, str]:
@@ -190,7 +227,7 @@ def check_document(folder: Path, name: str, document: Mapping[str, Any] | None) 
 
 
 def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None) -> None:
-    """As :func:`check_document`, for every file of the folder.
+    """As :func:`check_document`, for every file of the folder, and of those below that have lists of their own.
 
     :raises InputError: as :func:`check_document`, a result that is not in the list, and the first file that is not as
         listed or missing.
@@ -200,7 +237,13 @@ def check_hash_list(folder: Path, name: str, document: Mapping[str, Any] | None)
         if hashes and result not in hashes and (folder / result).is_file():
             # Without its line an edit would not be noticed.
             raise InputError(folder / HASH_LIST, "", Words(f"has no line of {result}"), "the hash of each result")
+    _check_files(folder, hashes)
+
+
+def _check_files(folder: Path, hashes: Mapping[str, str]) -> None:
     for changed in changed_files(folder, hashes):
         # A deleted page is no fault: it is made again from the other files.
         if not (changed.is_missing and changed.name == REPORT):
             raise changed.error(folder)
+    for below in (folder / name for name in hashes if name.endswith(f"/{HASH_LIST}")):
+        _check_files(below.parent, read_hash_list(below.parent) or {})

@@ -20,6 +20,7 @@ from railhil.judge.reactions.catalogue import ENDS
 from railhil.judge.reactions.evaluate import Row
 from railhil.record.documents import FAULT_TABLE, fault_entries_missing, fault_table_verdict, read_fault_table
 from railhil.record.hash_list import check_hash_list
+from railhil.report.origin import recorded_sentence
 from railhil.report.templates import address_of, render_page, write_html
 
 _PERCENT_MAX = 100.0
@@ -38,6 +39,11 @@ class Table:
     def title(self) -> str:
         """System, scenario and law; texts of a user without their folders."""
         return ", ".join(Path(str(self.document[key])).name for key in ("system", "scenario", "controller"))
+
+    @property
+    def recorded(self) -> str:
+        """When, where, by whom and with which version its runs were made."""
+        return recorded_sentence([self.document])
 
     @property
     def made(self) -> list[Row]:

@@ -17,12 +17,12 @@ from railhil.report.display_columns import ShownColumn
 from railhil.report.distribution import picture, spreads_of, worst_first
 from railhil.report.facts import TIMING_HEADINGS, facts, lateness_figures, timing_table, without_paths
 from railhil.report.noise import Noise, noise_figures
-from railhil.report.origin import Link, folder_files, recorded_sentence
+from railhil.report.origin import folder_files, recorded_sentence
 from railhil.report.over_time import RunColumns, columns_of, reactions, signals
 from railhil.report.recorded import distinct_labels
 from railhil.report.styles import styles
 from railhil.report.tables import better_sentence, event_rows, has_unusual, rows
-from railhil.report.templates import address_of, render_page, write_html
+from railhil.report.templates import Link, address_of, render_page, write_html
 from railhil.scenarios.model import watch_sentence
 
 #: Number of runs above which the page shows distributions, and figures and charts of the worst runs only.
@@ -72,7 +72,7 @@ def page(
         runs=runs,
         without_paths=without_paths,
         watch=watch_sentence(scenario),
-        recorded=recorded_sentence(runs),
+        recorded=recorded_sentence([run.certificate for run in runs]),
         noise=noise if among else (),
         files=files,
         notes=notes,

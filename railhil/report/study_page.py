@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from railhil.charts.figure import Figure
-from railhil.report.templates import render_page
+from railhil.report.templates import Link, render_page
 
 if TYPE_CHECKING:
     from railhil.report.pictures import Picture
-
-
-class Link(NamedTuple):
-    """A text that leads to an address."""
-
-    text: str
-    href: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import quote
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
@@ -22,6 +22,13 @@ from railhil.record.hash_list import REPORT, listed_file
 if TYPE_CHECKING:
     # This import loads matplotlib, which a page does not need.
     from railhil.report.pictures import Picture
+
+
+class Link(NamedTuple):
+    """A text that leads to an address relative to the page."""
+
+    text: str
+    href: str
 
 
 def script() -> str:

@@ -14,9 +14,10 @@ from railhil.common.errors import InputError, Words
 from railhil.judge.criteria import Criterion
 from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record, checked_record
+from railhil.record.hash_list import check_hash_list
 from railhil.report.distribution import limits_of
-from railhil.report.study_page import Link, Table, study_page
-from railhil.report.templates import address_of, write_html
+from railhil.report.study_page import Table, study_page
+from railhil.report.templates import Link, address_of, write_html
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.sequences.evidence import SEQUENCE, Made, differences, read_evidence, run_name
 
@@ -28,6 +29,7 @@ def report_of(folder: Path, out: Path) -> None:
     :raises OSError: it cannot be written.
     """
     evidence = read_evidence(folder)
+    check_hash_list(folder, SEQUENCE, None)
     if not evidence.made:
         raise InputError(folder / SEQUENCE, "made", Words("no run"), "a finished run")
     for problem in differences(folder, evidence):

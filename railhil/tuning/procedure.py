@@ -14,6 +14,7 @@ from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, show_progress
 from railhil.common.user_files import check_writable, refuse_unwritable, whole_file
+from railhil.record.hash_list import check_free
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario, require_perturbations
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -102,6 +103,7 @@ def tune(request: Request, console: Output) -> dict[str, Any]:
     scenario, law, box = protocol.scenario, protocol.law.controller, protocol.box
     file = Path(request.out or f"{law}_{scenario.name}.toml")
     # Check before the work, not after it.
+    check_free("--out", file)
     with refuse_unwritable("--out", file, "file"):
         check_writable(file)
     _say_how_made(scenario)

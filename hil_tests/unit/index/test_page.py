@@ -14,6 +14,7 @@ import pytest
 from hil_tests.support.browser import chromium_or_skip
 from hil_tests.support.cli import Railhil
 from hil_tests.support.run_folders import record_two_runs, write_run
+from railhil.index import page as index_page
 from railhil.index.curves import POINTS_MAX
 from railhil.index.page import page, write_page
 from railhil.index.tables import open_index
@@ -73,14 +74,51 @@ def test_each_point_of_a_curve_is_a_row_of_the_record(here: Railhil, tmp_path: P
     record_two_runs(here, tmp_path)
     data = _data(page(open_index(tmp_path / "runs"), ""))
     assert set(data["curves"]) == {"0", "1"}
-    for folder, (time_s, speed) in data["curves"].items():
+    for folder, curves in data["curves"].items():
+        time_s, (label, unit, factor, speed) = curves["time_s"], curves["columns"]["true_speed_mps"]
+        assert (label, unit, factor) == ("true speed", "km/h", 3.6)
         with (tmp_path / "runs" / folder / "signals.csv").open() as stream:
             rows = [(float(row["time_s"]), float(row["true_speed_mps"])) for row in csv.DictReader(stream)]
         assert 2 < len(time_s) <= POINTS_MAX
         assert set(zip(time_s, speed, strict=True)) <= set(rows)
-    assert data["curves"]["0"][0] == data["curves"]["1"][0]
-    # As it was kept.
-    assert _data(page(open_index(tmp_path / "runs"), ""))["curves"] == data["curves"]
+    assert data["curves"]["0"]["time_s"] == data["curves"]["1"]["time_s"]
+    header = (tmp_path / "runs" / "0" / "signals.csv").read_text().partition("\n")[0].split(",")
+    assert ["time_s", *data["curves"]["0"]["columns"]] == header, "every signal can be compared"
+    # Older runs have their speed only, and a page that is served asks for what it needs.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(index_page, "SIGNALS_MAX", 1)
+        curves = _data(page(open_index(tmp_path / "runs"), ""))["curves"]
+        assert sorted(len(one["columns"]) for one in curves.values()) == [1, len(header) - 1]
+    assert _data(page(open_index(tmp_path / "runs"), "", is_served=True))["curves"] == {}
+
+
+@pytest.mark.slow
+@pytest.mark.needs_browser
+def test_two_runs_are_compared_in_any_signal_that_both_have(here: Railhil, chromium: Any, tmp_path: Path) -> None:
+    record_two_runs(here, tmp_path)
+    write_run(tmp_path / "runs" / "bare")
+    out = tmp_path / "runs" / "index.html"
+    write_page(open_index(tmp_path / "runs"), out)
+    found = chromium.new_page(viewport={"width": 1200, "height": 900})
+    found.goto(out.as_uri())
+    for folder in "01":
+        found.get_by_label(f"compare {folder}", exact=True).check()
+    assert found.locator("#signal").input_value() == "true_speed_mps"
+    for name in ("true_speed_mps", "true_position_m"):
+        found.select_option("#signal", name)
+        drawn = found.evaluate(
+            "[...document.querySelectorAll('#curves .rc-chart')].map(one => railhilCharts.drawn(one))"
+        )
+        curves = _data(out.read_text())["curves"]
+        factor, own = curves["0"]["columns"][name][2:]
+        other = curves["1"]["columns"][name][3]
+        assert drawn[0]["0"] == pytest.approx([factor * one for one in own])
+        assert drawn[1]["difference"] == pytest.approx(
+            [factor * (two - one) for one, two in zip(own, other, strict=True)]
+        )
+    found.get_by_label("compare bare").check()
+    assert "no signal of both" in found.locator("#curves").inner_text()
+    assert not found.locator("#signal").is_visible()
 
 
 @pytest.mark.slow

@@ -277,6 +277,46 @@ def test_a_table_of_faults_that_was_stopped_or_whose_pairs_break_a_rule_is_no_pa
     assert said in found["line"]
 
 
+def test_a_table_of_faults_is_dated_by_what_it_records(tmp_path: Path) -> None:
+    (tmp_path / "faults").mkdir()
+    recorded = {"utc": "2026-11-29T01:02:03Z", "host": "bench", "operator": "me"}
+    document = {"scenario": "s", "rows": [_REACTION | {"entry": "S1"}], "recorded": recorded}
+    (tmp_path / "faults" / "faults.json").write_text(json.dumps(document))
+    found = _rows(tmp_path)["faults"]
+    assert (found["made"].isoformat(), found["dated_by"]) == ("2026-11-29T01:02:03+00:00", "certificate")
+
+
+@pytest.mark.parametrize("name", ["certificate.json", "score.json", "SHA256SUMS", ""])
+def test_a_folder_that_is_removed_while_it_is_read_is_left_out_or_said(runs: Path, name: str) -> None:
+    """Without a name the whole folder."""
+
+    def remove(done: int, total: int) -> None:
+        if done == 0 and name:
+            (runs / "one" / name).unlink(missing_ok=True)
+        elif done == 0:
+            shutil.rmtree(runs / "one")
+
+    index = open_index(runs, progress=remove)
+    found = {row["folder"]: row for row in all_rows(index)}
+    assert found["deep/er/two"]["problem"] == ""
+    if name:
+        assert found["one"]["problem"]
+        assert index.remarks == []
+    else:
+        assert "one" not in found
+        assert index.remarks == [f"{runs / 'one'} is left out: it was removed while it was read"]
+
+
+@pytest.mark.parametrize("kind", ["faults", "compare", "certificate", "sequence", "hunt"])
+def test_a_document_that_is_gone_when_it_is_read_is_said(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / f"{kind}.json").write_text("{}")
+    index = open_index(tmp_path, progress=lambda *_: (tmp_path / "one" / f"{kind}.json").unlink())
+    (row,) = all_rows(index)
+    assert f"{kind}.json" in row["problem"]
+    assert "does not exist" in row["problem"]
+
+
 def test_a_changed_byte_in_the_rows_of_a_kept_index_is_seen(runs: Path) -> None:
     wanted = [row | {"is_new": False} for row in _rows(runs).values()]
     table = runs / INDEX / "folders.parquet"

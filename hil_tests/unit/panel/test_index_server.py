@@ -78,8 +78,8 @@ def test_only_folders_of_the_index_are_served(tmp_path: Path) -> None:
         assert "default-src 'none'" in policy
         assert (await _get(panel, "/report?run=a"))[3] == "report of a"
         for path in (
-            "/report?run=../secret", "/report?run=%2e%2e/secret", "/report?run=", "/report",
-            "/panel/open?run=../secret",
+            "/signals?run=../secret", "/signals", "/report?run=../secret", "/report?run=%2e%2e/secret", "/report?run=",
+            "/report", "/panel/open?run=../secret",
             "/panel/open", "/panel/", "/panel/x/", "/panel/x/ws", "/a/report.html", "/.railhil-index/runs.parquet",
         ):  # fmt: skip
             assert (await _get(panel, path))[0] == 404, path

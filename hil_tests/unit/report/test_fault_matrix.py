@@ -14,6 +14,7 @@ from railhil.common.errors import InputError
 from railhil.judge.reactions.catalogue import Entry
 from railhil.judge.reactions.evaluate import Row
 from railhil.record.documents import FAULT_TABLE, read_fault_table
+from railhil.record.hash_list import HASH_LIST, write_hash_list
 from railhil.report.fault_matrix import report_of
 
 ENTRY = Entry(
@@ -148,6 +149,33 @@ def test_a_table_without_the_demands_of_its_entries_is_refused_in_a_line(tmp_pat
 def test_a_damaged_table_is_refused_in_a_line(tmp_path: Path, changed: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):
         page(table(tmp_path, KEPT, **changed))
+
+
+def test_the_page_says_when_where_and_by_whom_its_runs_were_made(tmp_path: Path) -> None:
+    recorded = {"utc": "2026-11-29T01:02:03Z", "host": "bench", "operator": "<me>"}
+    text = page(table(tmp_path, KEPT, recorded=recorded, seed=3))
+    assert (
+        "Recorded 2026-11-29 01:02 UTC on bench by &lt;me&gt; with railhil 1. Seed 3, code sha256 000000000000" in text
+    )
+
+
+def test_a_row_names_the_sentences_that_its_run_has_decided(tmp_path: Path) -> None:
+    text = page(table(tmp_path, replace(KEPT, requirements={"ATO-5": "kept", "ATO-6": "violated", "ATO-12": "kept"})))
+    required = text[text.index('data-name="required"') :].partition("</td>")[0]
+    assert "ATO-5, ATO-12 kept" in required
+    assert "ATO-6 violated" in required
+
+
+def test_an_edited_file_of_a_run_that_a_row_leads_to_is_said(tmp_path: Path) -> None:
+    folder = table(tmp_path, KEPT, hash_list=HASH_LIST)
+    (folder / "T2b" / "certificate.json").write_text("{}")
+    (folder / "T2b" / "frames.log").write_text("one")
+    write_hash_list(folder / "T2b")
+    write_hash_list(folder)
+    page(folder)
+    (folder / "T2b" / "frames.log").write_text("two")
+    with pytest.raises(InputError, match=r"T2b/frames\.log: sha256"):
+        page(folder)
 
 
 @pytest.mark.slow

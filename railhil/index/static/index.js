@@ -230,20 +230,41 @@
     by("compare").scrollIntoView({block: "nearest"});
   }
 
-  function curvesOf(a, b, folders) {
-    const speed = data.systems[value("system", a)]?.speed, own = folders.map(one => data.curves[one]);
-    if (!speed || value("system", a) !== value("system", b) || own.some(one => !one)) {
-      by("curves").append(make("p", {className: "small", textContent: "The page has no curve of one of them, or they are of different systems."}));
-      return;
-    }
-    const [times, first, second] = railhilCharts.join(own.map(([x, y]) => [x, y.map(one => one * speed.factor)]));
+  // Signals of a run: those in the page, or those that the server reads.
+  async function signalsOf(row) {
+    const folder = value("folder", row);
+    try {
+      if (data.served) data.curves[folder] ??= await (await fetch(`signals?run=${encodeURIComponent(folder)}`)).json();
+    } catch { /* the server has ended, or the folder is gone */ }
+    return data.curves[folder];
+  }
+  async function curvesOf(a, b, folders) {
+    const own = await Promise.all([a, b].map(signalsOf)), choice = by("signal"), kept = choice.value;
+    // Meanwhile others may have been chosen.
+    if (state.chosen[0] !== a || state.chosen[1] !== b) return;
+    const [one, other] = own.map(found => found?.columns ?? {}), speed = data.systems[value("system", a)]?.speed;
+    const names = Object.keys(one).filter(name => one[name][1] === other[name]?.[1] && [one, other].every(of => of[name][3].some(y => y != null)));
+    choice.replaceChildren(...names.map(name => new Option(one[name][1] ? `${one[name][0]} (${one[name][1]})` : one[name][0], name)));
+    choice.value = [kept, speed, names[0]].find(name => names.includes(name)) ?? "";
+    choice.onchange = () => drawTwo(own, choice.value, folders);
+    choice.parentElement.hidden = names.length < 2;
+    if (names.length) drawTwo(own, choice.value, folders);
+    else by("curves").replaceChildren(make("p", {className: "small", textContent: "The page has no signal of both."}));
+  }
+
+  function drawTwo(own, name, folders) {
+    for (const one of drawn) one.destroy();
+    by("curves").replaceChildren();
+    const [label, unit] = own[0].columns[name];
+    const [times, first, second] = railhilCharts.join(own.map(({time_s, columns: {[name]: [, , factor, y]}}) => [time_s, y.map(one => one == null ? one : one * factor)]));
     const x = {label: "time", unit: "s"}, height = 220, sync = "compared";
     const both = times.map((_, at) => first[at] != null && second[at] != null ? second[at] - first[at] : undefined);
     const kept = times.map((_, at) => at).filter(at => both[at] !== undefined);
-    const series = folders.map((label, place) => ({label, unit: speed.unit, dash: place ? [6, 3] : undefined}));
-    drawn.push(railhilCharts.chart(by("curves"), {title: speed.label, unit: speed.unit, x, series, height, sync}, [times, first, second]));
-    drawn.push(railhilCharts.chart(by("curves"), {title: `${folders[1]} less ${folders[0]}`, unit: speed.unit, x, height, sync,
-      series: [{label: "difference", unit: speed.unit, colour: 3}]}, [kept.map(at => times[at]), kept.map(at => both[at])]));
+    const series = folders.map((label, place) => ({label, unit, dash: place ? [6, 3] : undefined}));
+    drawn = [
+      railhilCharts.chart(by("curves"), {title: label, unit, x, series, height, sync}, [times, first, second]),
+      railhilCharts.chart(by("curves"), {title: `${folders[1]} less ${folders[0]}`, unit, x, height, sync,
+        series: [{label: "difference", unit, colour: 3}]}, [kept.map(at => times[at]), kept.map(at => both[at])])];
     by("curves").append(make("p", {className: "small", textContent: `${kept.length} instants that both records have; the records have more.`}));
   }
   by("clear").addEventListener("click", () => { state.chosen = []; show(); compare(); });

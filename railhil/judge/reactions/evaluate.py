@@ -17,6 +17,7 @@ from railhil.judge.reactions.shown import find_states, first_s
 
 if TYPE_CHECKING:
     from railhil.judge.declared import Watch
+    from railhil.judge.requirements.outcome import Outcome
     from railhil.judge.result import Result
     from railhil.record.trace import FloatArray
 
@@ -98,7 +99,8 @@ class Row:
     demands none; ``safe_s``: since when the state that the entry demands at the end holds (the train
     stands, or no watch is above NORMAL); None: the entry demands none, or it never left it. ``failures``: deviations of
     the run from the entry, empty if there are none. ``refused``: reason for which the entry cannot be run on this
-    transport. ``shown_s``: when it first showed each sign that the entry demands.
+    transport. ``shown_s``: when it first showed each sign that the entry demands. ``requirements``: verdicts by id of
+    the sentences that the run has decided (:func:`decided`).
     """
 
     entry: Entry
@@ -113,6 +115,7 @@ class Row:
     refused: str = ""
     shown_s: dict[str, float | None] = field(default_factory=dict)
     safe_s: float | None = None
+    requirements: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def made(self) -> bool:
@@ -189,6 +192,13 @@ def _first(levels: Sequence[RecordedEvent], level: str) -> RecordedEvent | None:
     """The first event at a level or above."""
     wanted = WATCH_LEVELS.index(level)
     return next((event for event in levels if event.rank >= wanted), None)
+
+
+def decided(outcomes: Iterable[Outcome]) -> dict[str, str]:
+    """Verdicts by id of the sentences that a fault has put to the test: those that demand a reaction and whose
+    antecedent came, and all that the run violates."""
+    demands = (one for one in outcomes if one.violated or (one.kept and "whenever" in one.says.split()))
+    return {one.id: one.verdict for one in demands}
 
 
 def evaluated(entry: Entry, seen: Seen) -> Row:

@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 from functools import cached_property
 
 from railhil.common.errors import InputError
+from railhil.common.streams import escape_controls
 from railhil.dbc import Port
 from railhil.dbc.text import dbc_text
 from railhil.judge.record import Record
@@ -84,7 +85,8 @@ class Content:
         """The certificate, and its most requested parts, as texts."""
         document = self.record.certificate
         facts = {
-            name: str(document.get(name)) for name in ("scenario", "controller", "seed", "verdict", "frames_sha256")
+            name: escape_controls(str(document.get(name)))
+            for name in ("scenario", "controller", "seed", "verdict", "frames_sha256")
         }
         if self.start is not None:
             facts["start"] = self.start.isoformat()

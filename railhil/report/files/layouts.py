@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from railhil.bus.ros2 import SIGNALS_TOPIC, ros_name
+from railhil.common.streams import escape_controls
 from railhil.report.display_columns import ColumnGroup, grouped
 from railhil.report.files.content import Content
 from railhil.report.styles import Style
@@ -64,7 +65,7 @@ def write_plotjuggler(content: Content, path: Path) -> None:
     """
     root = ElementTree.Element("root")
     tabs = ElementTree.SubElement(root, "tabbed_widget", {"name": "Main Window", "parent": "main_window"})
-    tab = ElementTree.SubElement(tabs, "Tab", containers="1", tab_name=content.record.title)
+    tab = ElementTree.SubElement(tabs, "Tab", containers="1", tab_name=escape_controls(content.record.title))
     container = ElementTree.SubElement(tab, "Container")
     halves = [half for half in _halves(_groups(content)) if half]
     across = _splitter(container, "|", len(halves))
