@@ -6,8 +6,10 @@ A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
+from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from math import nan
@@ -266,6 +268,13 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
     :param file: the file that names it, for the error.
     :raises InputError: there is none, or its entry point is not usable.
     """
+    return _system_named(name, file, tuple(sys.path))
+
+
+@cache
+def _system_named(name: str, file: str | Path, path: tuple[str, ...]) -> System:
+    """The system, loaded and checked once for each ``sys.path``, on which the entry points depend: a panel asks for it
+    several times a second. Raises InputError."""
     found = entries(GROUP)
     if name not in found:
         allowed = f"one that is installed: {', '.join(sorted(found))}"
