@@ -62,6 +62,7 @@ RUNS: dict[str, list[Row]] = {
             for unit in (1, 2, 3)
         ),
         ("emu3_short", "pid", ("REF loss 100% @20s for 2s",), ()),
+        ("jinan_xuzhou_emu3", "pid", (), ("task.start_s=3600", "task.duration_s=30")),
         ("jinan_xuzhou_emu3_emergency", "pid", ("actuator.brake off @emergency_called+3s",), ()),
     ],
 }
