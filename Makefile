@@ -25,7 +25,7 @@ HERE         = not needs_socketcan and not needs_docker
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + $(WORKERS))) --dist loadfile --no-loadscope-reorder
 WORKERS      = 1
 # The half of the tests on kernel SocketCAN that runs on a kernel of its own, by file.
-VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_benchmark_pairs or test_gateway
+VCAN_FIRST   = test_faults or test_can_utils or test_outage or test_slcan or test_gateway
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 

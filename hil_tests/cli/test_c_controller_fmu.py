@@ -14,7 +14,7 @@ from fmpy import validation
 
 from hil_tests.cli.test_c_controller import make, notches, run, words
 from hil_tests.support.cli import railhil
-from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.cli.new_controller import controller_files
 from railhil.common.errors import InputError
 
@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.needs_compiler, pytest.mark.slow, pytest.mark.loop]
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """With a C controller ``mine`` and its FMU, and a short scenario."""
     made = tmp_path_factory.mktemp("fmu")
-    (made / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
+    (made / "short.toml").write_text(RUN_72M_TOML, encoding="utf-8")
     done = railhil("new", "c-controller", "mine", "--fmu", cwd=made)
     assert (done.exit_code, "make -C mine/ fmu" in done.out) == (0, True), done.err
     assert make(made / "mine", "fmu", "check").returncode == 0

@@ -12,7 +12,7 @@ import pytest
 
 import railhil
 from hil_tests.support.cli import railhil as command
-from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.errors import InputError
 
 CODE = """
@@ -32,8 +32,8 @@ def local():
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("given")
     (made / "mine.py").write_text(CODE, encoding="utf-8")
-    (made / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
-    done = command("campaign", "fast.toml", "--laws", "ipfc,mine.py:step", *SHORT, "--out", "made", cwd=made)
+    (made / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
+    done = command("campaign", "short.toml", "--laws", "ipfc,mine.py:step", *SHORT, "--out", "made", cwd=made)
     assert done.exit_code == 0, done.err
     return made
 
@@ -84,12 +84,12 @@ def test_functions_of_a_file_are_laws_in_a_call(folder: Path, monkeypatch: pytes
     found.loader.exec_module(module)
     for law in (module.local(), 3):
         with pytest.raises(InputError, match=r"a name, FILE.py:NAME, or a function or class at the top of a file"):
-            railhil.campaign(folder / "fast.toml", laws=[law])
-    outcome = railhil.campaign(folder / "fast.toml", laws=module.step, runs=2, out=folder / "called")
+            railhil.campaign(folder / "short.toml", laws=[law])
+    outcome = railhil.campaign(folder / "short.toml", laws=module.step, runs=2, out=folder / "called")
     (mine,) = outcome.laws
     assert laws_of(outcome.folder)[mine]["scores"] == laws_of(folder / "made")[mine]["scores"]
 
 
 def test_another_arithmetic_is_refused(folder: Path) -> None:
-    refused = command("campaign", "fast.toml", "--laws", "mine.py:step", "--arithmetic", "iq", *SHORT, cwd=folder)
+    refused = command("campaign", "short.toml", "--laws", "mine.py:step", "--arithmetic", "iq", *SHORT, cwd=folder)
     assert (refused.exit_code, "allowed float64, that of mine.py:step" in refused.one_line()) == (2, True)

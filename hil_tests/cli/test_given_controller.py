@@ -12,7 +12,7 @@ import pytest
 
 import railhil
 from hil_tests.support.cli import railhil as command
-from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.errors import InputError
 
 #: A P controller, and the faults that code of a user can have.
@@ -30,10 +30,10 @@ def proportional(reading):
     return 3.6 * (reading.set_point_mps - reading.speed_mps)
 
 def not_finite(reading):
-    return float("nan") if reading.time_s >= 5 else 0
+    return float("nan") if reading.time_s >= 2 else 0
 
 def raises(reading):
-    if reading.time_s >= 5:
+    if reading.time_s >= 2:
         raise ValueError("no more")
     return 0
 
@@ -67,12 +67,12 @@ NUMBER = 3
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("given")
     (made / "mine.py").write_text(CODE, encoding="utf-8")
-    (made / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
+    (made / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     return made
 
 
 def run(folder: Path, out: str, name: str, *options: str) -> Any:
-    words = ("run", folder / "fast.toml", "--controller", f"{folder / 'mine.py'}:{name}", "--quiet", "--no-report")
+    words = ("run", folder / "short.toml", "--controller", f"{folder / 'mine.py'}:{name}", "--quiet", "--no-report")
     return command(*words, "--out", folder / out, *options)
 
 
@@ -101,7 +101,7 @@ def test_function_object_and_file_are_the_same_controller(folder: Path, made: Pa
     exec(compile(CODE, "notebook", "exec"), code)  # noqa: S102
     wanted = certificate(made)["frames_sha256"].encode()
     for name in ("proportional", "Proportional"):
-        outcome = railhil.run(folder / "fast.toml", controller=code[name], out=folder / name)
+        outcome = railhil.run(folder / "short.toml", controller=code[name], out=folder / name)
         # The name in the handshake is another one.
         assert without_handshake(outcome.folder) == without_handshake(made), wanted
         assert outcome.certificate["given_controller"]["files"] == {}
@@ -173,7 +173,7 @@ def processes_of(folder: Path) -> list[str]:
 
 
 def test_a_restart_begins_with_a_new_object(folder: Path) -> None:
-    found = run(folder, "restart", "Proportional", "--bus", "local", "--fault", "controller restart @8s for 100ms")
+    found = run(folder, "restart", "Proportional", "--bus", "local", "--fault", "controller restart @2s for 100ms")
     assert found.exit_code == 1
     assert "controller restart" in found.out
     assert not processes_of(folder)
@@ -182,7 +182,7 @@ def test_a_restart_begins_with_a_new_object(folder: Path) -> None:
 def test_it_stands_beside_laws_in_a_comparison(folder: Path) -> None:
     laws = f"ipfc,{folder / 'mine.py'}:proportional"
     options = ("--bus", "local", "--quiet", "--no-report", "--out", folder / "compare")
-    assert command("compare", folder / "fast.toml", "--laws", laws, *options).exit_code in (0, 1)
+    assert command("compare", folder / "short.toml", "--laws", laws, *options).exit_code in (0, 1)
     compared = json.loads((folder / "compare" / "compare.json").read_text(encoding="utf-8"))
     assert "mine-proportional" in json.dumps(compared)
 

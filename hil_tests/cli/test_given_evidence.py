@@ -15,7 +15,7 @@ import pytest
 
 import railhil
 from hil_tests.support.cli import railhil as command
-from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.common.errors import InputError
 from railhil.controller_node.given.computing import Quantity, Terms
 from railhil.controller_node.given.python import PythonFile
@@ -28,7 +28,7 @@ def steady(reading):
 _SAVED = """
 import pathlib
 def steady(reading):
-    if 20 <= reading.time_s < 20.5:
+    if 2 <= reading.time_s < 2.5:
         pathlib.Path(__file__).{change}
     return 3.6 * (reading.set_point_mps - reading.speed_mps)
 """
@@ -38,12 +38,12 @@ def steady(reading):
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("given")
     (made / "mine.py").write_text(_CODE, encoding="utf-8")
-    (made / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
+    (made / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     return made
 
 
 def run(folder: Path, file: Path, out: Path, *options: str | Path) -> Any:
-    words = ("run", folder / "fast.toml", "--controller", f"{file}:steady", "--quiet", "--no-report", "--out", out)
+    words = ("run", folder / "short.toml", "--controller", f"{file}:steady", "--quiet", "--no-report", "--out", out)
     return command(*words, *options)
 
 
@@ -136,7 +136,7 @@ def test_functions_are_told_apart_by_file_and_name(folder: Path, tmp_path: Path)
 
     names = {}
     for name, code in {"partial": partial(law, 3.6), "ipfc": ipfc, "method": Held().step, "object": Held()}.items():
-        outcome = railhil.run(folder / "fast.toml", controller=code, out=tmp_path / name)
+        outcome = railhil.run(folder / "short.toml", controller=code, out=tmp_path / name)
         names[name] = outcome.certificate["controller"]
         assert list(outcome.certificate["given_controller"]["files"]) == [__file__]
     called = {"partial": "law", "ipfc": "ipfc", "method": "step", "object": "Held"}
@@ -148,9 +148,9 @@ def test_a_function_runs_in_this_process_only_and_again_by_its_call(folder: Path
         return 1.0
 
     with pytest.raises(InputError, match="allowed local with a function"):
-        railhil.run(folder / "fast.toml", controller=ipfc, bus="auto", out=tmp_path / "auto")
+        railhil.run(folder / "short.toml", controller=ipfc, bus="auto", out=tmp_path / "auto")
     assert not (tmp_path / "auto").exists()
-    once = railhil.run(folder / "fast.toml", controller=ipfc, out=tmp_path / "once")
+    once = railhil.run(folder / "short.toml", controller=ipfc, out=tmp_path / "once")
     with pytest.raises(InputError, match="controller= in a call"):
         railhil.run(once.spec, out=tmp_path / "without")
     again = railhil.run(once.spec, controller=ipfc, out=tmp_path / "again")

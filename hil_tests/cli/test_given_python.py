@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.cli import railhil as command
-from hil_tests.support.fault_runs import FAST_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.library import NeverBegan
 from railhil.testing import Bench
 from railhil.testing.settings import Settings
@@ -27,7 +27,7 @@ TEXT = "mine.py:step"
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "mine.py").write_text(CODE, encoding="utf-8")
-    (tmp_path / "fast.toml").write_text(FAST_TOML, encoding="utf-8")
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     return tmp_path
 
 
@@ -65,7 +65,7 @@ def test_a_new_one_for_any_system_lists_its_readings_and_runs(tmp_path: Path) ->
 
 @pytest.fixture
 def bench(folder: Path) -> Bench:
-    return Bench(Settings(), {"scenario": "fast.toml", "controller": proportional}, folder, folder / "runs", "given")
+    return Bench(Settings(), {"scenario": "short.toml", "controller": proportional}, folder, folder / "runs", "given")
 
 
 def proportional(reading: Any) -> float:
@@ -93,7 +93,7 @@ def test_its_failure_in_a_test_is_the_line_of_the_controller(bench: Bench) -> No
 
 
 def test_where_parameters_are_named_its_code_is(folder: Path) -> None:
-    words = ("fast.toml", "--bus", "local", "--no-report")
+    words = ("short.toml", "--bus", "local", "--no-report")
     done = command("run", *words, "--controller", TEXT, cwd=folder)
     assert "parameters: in the code of mine-step" in done.out
     assert "--controller ipfc_plus" not in done.out
@@ -134,5 +134,5 @@ def test_where_it_cannot_be_is_one_line(folder: Path, words: tuple[str, ...]) ->
 
 def test_the_environment_loads_no_code(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RAILHIL_CONTROLLER", TEXT)
-    done = command("run", "fast.toml", "--bus", "local", cwd=folder)
+    done = command("run", "short.toml", "--bus", "local", cwd=folder)
     assert (done.exit_code, "RAILHIL_CONTROLLER" in done.one_line()) == (2, True)

@@ -22,16 +22,34 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+from pydantic import BaseModel
+
 from hil_tests.support.paths import ROOT
 from hil_tests.support.short_end import end_with
+from railhil.systems.ato import ATO
+from railhil.systems.high_speed import EMU3, HST1
+from railhil.systems.line import LINE
+from railhil.systems.stop import STOP
 
 #: What commands load first of all. Nothing is called, so nothing is remembered that depends on the environment.
+#: No module that a command runs as a program: Python would warn of one that is loaded already.
 _LOADED = (
-    "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "railhil.audit.result",
-    "railhil.audit.tables", "railhil.bench", "railhil.campaign.plan", "railhil.study.command", "railhil.run.make",
-    "railhil.cli.compare", "railhil.cli.new", "railhil.cli.plot", "railhil.cli.ports", "railhil.cli.report",
-    "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle",
-    "railhil.run.replay", "railhil.run.local", "railhil.report.page", "railhil.report.pictures",
+    "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "_pytest.config", "_pytest.pytester",
+    "railhil.audit.result", "railhil.audit.tables", "railhil.bench", "railhil.campaign.report",
+    "railhil.campaign.study", "railhil.cli.branch", "railhil.cli.commands", "railhil.cli.compare", "railhil.cli.export",
+    "railhil.cli.faults", "railhil.cli.new", "railhil.cli.new_controller", "railhil.cli.plot", "railhil.cli.ports",
+    "railhil.cli.replay", "railhil.cli.report", "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.runs",
+    "railhil.cli.scenarios", "railhil.cli.score", "railhil.cli.verify",
+    "railhil.controller_node.export.bundle", "railhil.controller_node.given.worker", "railhil.hunt.study",
+    "railhil.hunt.report", "railhil.library", "railhil.probability.study", "railhil.run.replay", "railhil.run.local",
+    "railhil.run.trunk", "railhil.report.page", "railhil.report.pictures", "railhil.sequences.record",
+    "railhil.systems.ato.scenario.train_files", "railhil.testing", "railhil.tuning.command",
+    "railhil.controller_node.ato.laws.ipfc", "railhil.controller_node.ato.laws.ipfc_plus",
+)  # fmt: skip
+#: Parts of a system that a run, its judgement and its report load.
+_PARTS = (
+    "scenarios", "plant", "faulty_plant", "controller", "judging", "pictures", "picture", "given", "task", "interface",
+    "export",
 )  # fmt: skip
 _SERVE = f"import {end_with.__module__}; from {__name__} import serve; serve()"
 
@@ -99,6 +117,10 @@ def serve() -> None:
     answers = os.fdopen(os.dup(1), "w")
     for name in _LOADED:
         importlib.import_module(name)
+    for system in (ATO, STOP, HST1, EMU3, LINE):
+        for reference in (getattr(system, part, None) for part in _PARTS):
+            importlib.import_module((reference or __name__).partition(":")[0])
+    _complete(BaseModel)
     gc.freeze()
     for line in sys.stdin:
         child = os.fork()
@@ -107,6 +129,13 @@ def serve() -> None:
             return
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         print(code, file=answers, flush=True)
+
+
+def _complete(model: type[BaseModel]) -> None:
+    """Let pydantic make the schemas of the models below one, which it would at their first use."""
+    for kind in model.__subclasses__():
+        kind.model_rebuild()
+        _complete(kind)
 
 
 def _become(module: str, words: list[str], streams: list[str], environment: dict[str, str], cwd: str) -> None:

@@ -48,7 +48,7 @@ from railhil.sequences.record import record
 from railhil.systems.ato.scenario.model import Scenario
 
 #: Simulation time of the beginning of a run.
-_BEGINNING_S = 20.0
+_BEGINNING_S = 10.0
 #: The first run of a sequence of :func:`short_stop`.
 STOPS = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), seed=7)
 #: Hash of its first two runs; tests over the hub and in one process give it, too.
@@ -209,7 +209,7 @@ class _Enough(Exception):
 
 
 def beginning(config: Mapping[str, Any], scenario: Scenario, folder: Path) -> tuple[list[str], list[str]]:
-    """The first 40 s of the record of a run on a bus, seed 0, and of the same run in this process; neither goes on."""
+    """The first 10 s of the record of a run on a bus, seed 0, and of the same run in this process; neither goes on."""
 
     def enough(now_s: float) -> None:
         if now_s > _BEGINNING_S + 1:

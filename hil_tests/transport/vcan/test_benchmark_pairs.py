@@ -9,7 +9,8 @@ from benchmarks.native import c_loop
 from benchmarks.pairs import PYTHON, C
 from benchmarks.transports import open_pairs
 
-pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(300)]
+# Long: it measures buses, and decides nothing about a run.
+pytestmark = [pytest.mark.needs_socketcan, pytest.mark.long, pytest.mark.timeout(300)]
 
 
 def test_two_pairs_on_one_interface_lose_nothing_and_hear_only_their_own(tmp_path) -> None:

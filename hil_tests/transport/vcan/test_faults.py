@@ -20,6 +20,7 @@ def test_a_train_whose_controller_is_killed_stops_by_itself(tmp_path, folder):
     assert_stopped_by_its_own_watch(scenario, Made.of(folder, result))
 
 
+@pytest.mark.long
 def test_a_controller_that_hangs_starts_anew_or_brakes(tmp_path, folder):
     scenario = fast(tmp_path, *BRAKED)
     result, exit_codes = run_on(socketcan(), scenario, folder, seed=0)

@@ -58,7 +58,8 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 """
 
 
-@pytest.mark.parametrize("language", ["Python", "C"])
+@pytest.mark.long_after(1)
+@pytest.mark.parametrize("language", ["C", "Python"])
 def test_a_controller_without_railhil_has_one_hash_on_vcan_and_hub(
     hop: Scenario, language: str, tmp_path: Path
 ) -> None:
