@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ import pytest
 
 from hil_tests.support.cli import railhil as command
 from hil_tests.support.short_runs import RUN_2M_TOML
+from hil_tests.support.user_suite import run_suite
 from railhil.library import NeverBegan
 from railhil.testing import Bench
 from railhil.testing.settings import Settings
@@ -31,6 +30,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.long_after(1)
 @pytest.mark.parametrize("bus", ["local", ""])
 def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path, bus: str) -> None:
@@ -41,17 +41,11 @@ def test_the_how_to_of_the_page_works_from_an_empty_folder(tmp_path: Path, bus: 
     for line in lines:
         program, *rest = line.split()
         if program == "pytest":
-            done = command_of_pytest(tmp_path, *rest)
-            assert done == 0, line
+            assert run_suite(tmp_path, *rest).ret == 0, line
             continue
         options = ["--no-report", *(["--bus", bus] if bus else [])] if rest[0] in ("run", "compare") else []
         done = command(*rest, *options, cwd=tmp_path)
         assert done.exit_code == 0, done.err
-
-
-def command_of_pytest(folder: Path, *words: str) -> int:
-    command_line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words]
-    return subprocess.run(command_line, cwd=folder, check=False, stdout=subprocess.DEVNULL, timeout=100).returncode
 
 
 def test_a_new_one_for_any_system_lists_its_readings_and_runs(tmp_path: Path) -> None:
@@ -60,7 +54,7 @@ def test_a_new_one_for_any_system_lists_its_readings_and_runs(tmp_path: Path) ->
     text = (tmp_path / "halts/halts.py").read_text(encoding="utf-8")
     assert re.search(r"^ +odometer +mm$", text, re.MULTILINE)
     assert command(*words, cwd=tmp_path).exit_code == 2
-    assert command_of_pytest(tmp_path, "halts") == 0
+    assert run_suite(tmp_path, "halts").ret == 0
 
 
 @pytest.fixture
