@@ -31,6 +31,7 @@ RUNS: dict[str, list[Row]] = {
         (PAIRS, "ipfc_plus", ("TRN_SPEED loss @8s for 90ms", "TRN_SPEED loss @12s"), ()),
         (PAIRS, "ipfc_plus", ("TRN_POS loss @6s for 3s",), ()),
         (PAIRS, "ipfc_plus", ("doors off @15s for 2s", "safety_loop off @20s"), ()),
+        (PAIRS, "ipfc_plus", ("NOTCH_CMD.NotchChk raw 0 @8s x3", "NOTCH_CMD loss @12s for 950ms"), ()),
         (PAIRS, "ipfc_plus", ("gradient offset -100 @8s", "adhesion low 0.01 @8s"), OVERSPEED),
     ],
     "line": [
