@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from railhil.bus.injector.activities import Activities
 from railhil.faults.activity import Activity
-from railhil.faults.model import Fault
+from railhil.faults.model import Fault, Random
 from railhil.scenarios import streams
 
 
@@ -16,14 +14,16 @@ class Injections:
     """Faults of one plant in one run, in the order of their numbers.
 
     :param faults: the run's faults inside the plant, each with its number in the run's list, distributions drawn.
+    :param chain: of the run's noise; empty: that of its seed.
     """
 
-    def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
+    def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int, chain: streams.Chain = ()) -> None:
         self._all = Activities(faults)
         self._takers: list[Callable[[], None]] = []
         self.activities = self._all.all
         self.log = self._all.log
         self._seed = seed
+        self._chain = chain
         self._tick_ns = tick_ns
         self._active: list[bool] = []
         self._acting: dict[int, bool] = {}
@@ -56,9 +56,9 @@ class Injections:
         found = [one for one, place in places if place.level == level and (not names or place.name in names)]
         return [one for one in found if not unit or not one.fault.units or unit in one.fault.units]
 
-    def samples(self, activity: Activity) -> np.random.Generator:
+    def samples(self, activity: Activity) -> Random:
         """The random numbers that a fault uses while it is active."""
-        return streams.fault_generator(streams.FAULT_SAMPLES, self._seed, activity.number, activity.fault.seed)
+        return streams.fault_samples(self._seed, activity.number, activity.fault.seed, self._chain)
 
     def look(self, tick: int, position_m: float, speed_mps: float) -> bool:
         """Find the faults that are active at a tick, by the truth at its instant; True if any began or ended."""

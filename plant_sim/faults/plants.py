@@ -49,7 +49,7 @@ def faults_inside(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
         return []
     from railhil.scenarios.fault_list import draw_faults
 
-    return in_plant(draw_faults(scenario.faults, seed))
+    return in_plant(draw_faults(scenario, seed))
 
 
 def make_plant(scenario: AnyScenario, run: RunSpec, *, branches: bool = False) -> tuple[AnyPlant, Injections | None]:

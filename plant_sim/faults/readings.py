@@ -15,11 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from railhil.bus.layout import Telegram
 from railhil.faults.activity import Activity
-from railhil.faults.model import Fault
+from railhil.faults.model import Fault, Random
 from railhil.faults.sensors import SENSOR_KINDS, Quantity, Reading, SensorFault
 from railhil.faults.words import ONLY
 from railhil.plant_sim.faults.injections import Injections
@@ -105,7 +103,7 @@ def _misplaced(reports: list[BaliseReport], error_m: float) -> list[BaliseReport
 
 
 #: Word of a fault of the reader -> the reports that remain.
-_BALISE_WORDS: Mapping[str, Callable[[list[BaliseReport], Fault, np.random.Generator], list[BaliseReport]]] = {
+_BALISE_WORDS: Mapping[str, Callable[[list[BaliseReport], Fault, Random], list[BaliseReport]]] = {
     "missed": lambda reports, fault, source: [],
     "doubled": lambda reports, fault, source: [each for each in reports for _ in range(2)],
     "wrong": lambda reports, fault, source: _misplaced(reports, fault.parameter("error_m")),
@@ -125,7 +123,7 @@ class FaultyReader:
 
     def __init__(self, injections: Injections) -> None:
         self._injections = injections
-        self._faults: list[tuple[Activity, np.random.Generator]] = []
+        self._faults: list[tuple[Activity, Random]] = []
         injections.attach(self._take)
 
     def _take(self) -> None:

@@ -182,8 +182,11 @@ class Random(Protocol):
     def random(self) -> float:
         """A number from 0 to below 1."""
 
-    def integers(self, low: int, high: int, /) -> Any:
-        """A whole number from ``low`` to below ``high``."""
+    def integers(self, low: int, high: int, /, *, endpoint: bool = False) -> Any:
+        """A whole number from ``low`` to below ``high``, with ``endpoint`` up to ``high``."""
+
+    def standard_normal(self) -> float:
+        """A standard normal number."""
 
 
 @dataclass(frozen=True, slots=True)

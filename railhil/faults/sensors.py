@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from railhil.faults.model import LENGTH, NUMBER, PX4, RAILWAY, SHARE, TIME, Kind, Parameter, Word
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from railhil.faults.activity import Activity
+    from railhil.faults.model import Random
 
 _MODELS = "sensor models"
 #: Sensors that count a distance, and all that give one number.
@@ -49,7 +48,7 @@ class SensorFault(Kind):
     :param source: random numbers, drawn only while the fault is active.
     """
 
-    def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
+    def __init__(self, activity: Activity, quantity: Quantity, source: Random, tick_s: float) -> None:
         super().__init__(activity)
         self.quantity = quantity
         self.source = source
@@ -131,7 +130,7 @@ class SensorDelayed(SensorFault):
                 (Parameter("delay_s", TIME, 0.5, "delay", low=0.001, high=100.0),), names=_NUMBERS,
                 looks_back=True)  # fmt: skip
 
-    def __init__(self, activity: Activity, quantity: Quantity, source: np.random.Generator, tick_s: float) -> None:
+    def __init__(self, activity: Activity, quantity: Quantity, source: Random, tick_s: float) -> None:
         super().__init__(activity, quantity, source, tick_s)
         self._past: deque[Reading] = deque(maxlen=round(self.largest("delay_s") / tick_s) + 1)
 

@@ -1,6 +1,7 @@
-"""Draws of ``[perturbations]`` in a hunt: at random, by the descent of a margin, and the least ones that violate.
+"""Draws in a hunt: at random, by the descent of a margin, and the least ones that violate.
 
-Draws are standard normal numbers, which a scenario can be given (``draws``): 0 is the middle of each range.
+They are those of ``[perturbations]`` and the values that the scenario's faults draw. Draws are standard normal numbers,
+which a scenario can be given (``draws``): 0 is the middle of each range.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ def drawn_numbers(scenario: AnyScenario) -> tuple[bool, ...]:
     :raises InputError: its runs take none, or it has its own.
     """
     names = scenario.installed_system.optional_part("draws")
-    if names is None or not scenario.can_be_perturbed:
-        allowed = "a scenario with [perturbations] whose runs can be given draws, such as lvshun_tieshan"
+    if names is None or not any(names(scenario)):
+        allowed = "a scenario with ranges in [perturbations] whose runs can be given draws, such as lvshun_tieshan"
         raise InputError("command line", "--what", Words(f"draws of {scenario.name}"), allowed)
     if getattr(scenario, "draws", ()):
         # Those of a --set would also replace those of a found file.

@@ -227,7 +227,7 @@ def _law(request: Request, system: System, code: Mapping[str, GivenController]) 
 
 
 def _check_draws(plan: Plan) -> None:
-    """Refuse draws that a run does not have, and a descent that has none or no margin. Raises InputError."""
+    """Refuse a descent that has no draws or no margin, and draws that a run does not have. Raises InputError."""
     is_descent = plan.request.strategy == DESCENT
     if is_descent and plan.bounds.what != (DRAWS,):
         allowed = f"{DRAWS} alone with --strategy {DESCENT}"
@@ -235,8 +235,8 @@ def _check_draws(plan: Plan) -> None:
     if is_descent and not plan.requirements:
         allowed = f"sentences: --strategy {DESCENT} makes their margins smaller"
         raise InputError("command line", "--requirements", Words("none"), allowed)
-    if plan.drawn and not any(plan.drawn):
-        raise InputError("command line", "--what", DRAWS, "a scenario with ranges in [perturbations]")
+    if DRAWS in plan.bounds.what:
+        drawn_numbers(plan.scenario)
 
 
 def cut(plan: Plan, chunks: int) -> Plan:

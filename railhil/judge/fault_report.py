@@ -131,7 +131,7 @@ def _outcomes(
     """The result of each fault, and the faults with their random draws."""
     from railhil.scenarios.fault_list import draw_faults
 
-    faults = draw_faults(scenario.faults, seed)
+    faults = draw_faults(scenario, seed)
     return [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)], faults
 
 

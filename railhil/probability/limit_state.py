@@ -57,7 +57,7 @@ _EQUAL = -float(np.finfo(np.float64).tiny)
 
 @dataclass(frozen=True)
 class Bench:
-    """A perturbed run, and the sides of a requirement. It is sent to workers."""
+    """A run, and the sides of a requirement. It is sent to workers."""
 
     base: RunSpec
     sides: tuple[Requirement, ...]
@@ -65,7 +65,7 @@ class Bench:
     def spec(self, draws: Sequence[float], noise: Sequence[tuple[int, float]]) -> RunSpec:
         """A run with these draws (of the scenario's order) and this noise."""
         given = f"draws={list(map(float, draws))}", f"noise={[[seed, weight] for seed, weight in noise]}"
-        return replace(self.base, settings=(*self.base.settings, *given), perturbed=False)
+        return replace(self.base, settings=(*self.base.settings, *given))
 
     def run(self, draws: Sequence[float], noise: Sequence[tuple[int, float]]) -> Result:
         """The same run through the nodes. Raises InputError."""

@@ -144,7 +144,7 @@ def probability(
 ) -> ProbabilityOutcome:
     """The probability that a run with drawn perturbations violates a requirement (needs the extra ``campaign``).
 
-    It is over the draws of ``[perturbations]`` and the noise, not over faults: a statement about the model.
+    It is over the draws of ``[perturbations]``, of faults and of the noise: a statement about the model.
 
     :param scenario: shipped name, or path of a TOML file.
     :param says: the requirement as a sentence; or

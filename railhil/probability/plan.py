@@ -228,9 +228,11 @@ def make_plan(request: Request) -> Plan:
     """
     scenario = load_any(request.scenario, request.settings)
     system = scenario.installed_system
-    require_perturbations(scenario, "probability")
+    if not scenario.faults:
+        require_perturbations(scenario, "probability")
     require_free_draws(scenario, "probability", wholly=True)
-    draw_names(scenario)
+    if not any(draw_names(scenario)):
+        require_perturbations(scenario, "probability")
     parameters = load_parameters(Path(request.parameters)) if request.parameters else None
     controller = request.controller or (parameters.law if parameters is not None else system.law)
     system.check_law(controller, "command line", "--controller")
@@ -245,7 +247,7 @@ def make_plan(request: Request) -> Plan:
     check_requirements((requirement,), scenario)
     for side in sides:
         check_requirements((side,), scenario)
-    base = RunSpec(request.scenario, request.settings, law, perturbed=True, bus="local")
+    base = RunSpec(request.scenario, request.settings, law, bus="local")
     make_controller_node(scenario, replace(base, seed=0)).close()
     return Plan(request, scenario, Bench(base, sides), requirement)
 

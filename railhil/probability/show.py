@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhil.common.digits import count_of
 from railhil.probability.plan import LEAST
+from railhil.scenarios.fault_list import name_fault_draws
 
 if TYPE_CHECKING:
     from railhil.probability.plan import Plan
@@ -23,11 +24,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
     law = plan.bench.base.law
     yield f"{summary['scenario']}, {law.label} {law.arithmetic}, {plan.requirement.id}; seed {summary['seed']}"
     yield from _probability(plan, summary)
-    names = summary["draws_over"]
-    yield (
-        f"over: the {count_of(len(names), 'draw')} of [perturbations] and the noise of the speed sensor; not over: "
-        "faults, anything that the scenario does not draw. It is a statement about the model's distributions."
-    )
+    yield _over(plan, summary["draws_over"])
     if summary["silent"]:
         silent = count_of(summary["silent"], "run", spec=",")
         yield f"{silent} said nothing about the requirement: counted as not violated"
@@ -38,6 +35,23 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
         yield f"    railhil run {shlex.quote(str(folder / LEAST))} {least['options']}"
         yield f"    sha256 {least['sha256'][:12]}..."
     yield _verdict(plan, summary)
+
+
+def _over(plan: Plan, names: Sequence[str]) -> str:
+    """What the probability is over, and what not.
+
+    :param names: of all draws, those of faults in the end.
+    """
+    faults = plan.scenario.faults
+    values = len(name_fault_draws(faults))
+    over = [f"the {count_of(len(names) - values, 'draw')} of [perturbations]"] if len(names) > values else []
+    over += [f"{count_of(values, 'value')} of faults"] if values else []
+    # The batch computes no fault that draws while it acts.
+    over += ["the samples that faults draw while they act"] if faults and not plan.state.is_fast else []
+    return (
+        f"over: {', '.join(over)} and the noise of the speed sensor; not over: {'' if faults else 'faults, '}"
+        "anything that the scenario does not draw. It is a statement about the model's distributions."
+    )
 
 
 def _probability(plan: Plan, summary: Mapping[str, Any]) -> Iterator[str]:

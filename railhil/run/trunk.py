@@ -135,10 +135,10 @@ class Standing:
         """
         if _THREADS.is_dir() and (count := len(list(_THREADS.iterdir()))) != 1:
             return f"the process has {count} threads"
-        own, seed = draw_faults(self.scenario.faults, self.spec.seed), self.spec.seed
+        own, seed = draw_faults(self.scenario, self.spec.seed), self.spec.seed
         if self.run.plant.faults.inside is None and faults_inside(scenario, seed):
             return f"the plant of system {scenario.system} takes its faults only at the start"
-        for number, fault in enumerate(draw_faults(scenario.faults, seed)):
+        for number, fault in enumerate(draw_faults(scenario, seed)):
             is_never = fault.trigger.kind == "manual"
             if looks_back(fault) and not is_never and fault not in own[number : number + 1]:
                 return f"fault {number + 1} depends on what was before it began"

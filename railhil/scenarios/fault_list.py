@@ -180,13 +180,35 @@ def _start_s(fault: Fault) -> float | None:
     return float(trigger.value) + trigger.delay_s if trigger.kind == "time" else None
 
 
-def draw_values(fault: Fault, number: int, seed: int) -> Fault:
+def list_draws(faults: Sequence[Fault]) -> list[tuple[int, str]]:
+    """The values of faults that each run draws anew, in the order of their numbers in a scenario's ``draws``: number of
+    the fault, from 1, and name of the parameter. A fault with a seed of its own has the same values in every run."""
+    return [
+        (number, name)
+        for number, fault in enumerate(faults, 1)
+        if fault.seed is None
+        for name in sorted(fault.values)
+        if isinstance(fault.values[name], Draw)
+    ]
+
+
+def name_fault_draws(texts: Sequence[str]) -> tuple[str, ...]:
+    """A name for each value of :func:`list_draws`.
+
+    :param texts: the scenario's ``faults``.
+    """
+    faults = _parse_all(texts)
+    return tuple(f"fault {number} {place_text(faults[number - 1].place)} {name}" for number, name in list_draws(faults))
+
+
+def draw_values(fault: Fault, number: int, seed: int, numbers: Sequence[float] = ()) -> Fault:
     """A fault with its distributions drawn for one run: its text is in the language again.
 
     Counts are rounded down; a draw outside a parameter's bounds becomes the nearer bound.
 
     :param number: its place in the run's list, from 1.
     :param seed: of the run.
+    :param numbers: standard normal numbers that draw its values, instead of the seed.
     """
     if not any(isinstance(value, Draw) for value in fault.values.values()):
         return fault
@@ -197,16 +219,30 @@ def draw_values(fault: Fault, number: int, seed: int) -> Fault:
     assert word is not None
     parameters = {parameter.name: parameter for parameter in word.parameters}
 
+    given = iter(numbers)
+
     def one(name: str, value: Value) -> Value:
         if not isinstance(value, Draw):
             return value
-        found = float(source.uniform(value.a, value.b) if value.kind == "uniform" else source.normal(value.a, value.b))
+        if numbers:
+            found = _drawn_by(value, next(given))
+        elif value.kind == "uniform":
+            found = float(source.uniform(value.a, value.b))
+        else:
+            found = float(source.normal(value.a, value.b))
         parameter = parameters[name]
         found = min(max(found, parameter.low), parameter.high)
         return float(int(found)) if parameter.unit == COUNT else found
 
     values = {name: one(name, fault.values[name]) for name in sorted(fault.values)}
     return replace(fault, values=MappingProxyType(values))
+
+
+def _drawn_by(value: Draw, number: float) -> float:
+    """The value that a standard normal number draws."""
+    if value.kind == "uniform":
+        return value.a + (value.b - value.a) * streams.probability_of(number)
+    return value.a + value.b * number
 
 
 def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
@@ -219,11 +255,12 @@ def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
 
 def make_injection(scenario: AnyScenario, seed: int) -> Injection:
     """:func:`injection_of`, also for a run without faults, which may be given some."""
-    faults = draw_faults(scenario.faults, seed)
+    faults = draw_faults(scenario, seed)
     system = scenario.installed_system
+    noise = getattr(scenario, "noise", ())
 
     def samples(number: int) -> Random:
-        return streams.fault_generator(streams.FAULT_SAMPLES, seed, number, faults[number - 1].seed)
+        return streams.fault_samples(seed, number, faults[number - 1].seed, noise)
 
     return Injection(
         tuple(faults),
@@ -235,10 +272,26 @@ def make_injection(scenario: AnyScenario, seed: int) -> Injection:
     )
 
 
-def draw_faults(texts: Sequence[str], seed: int) -> list[Fault]:
+def draw_faults(scenario: AnyScenario, seed: int) -> list[Fault]:
     """The faults of a scenario with the draws of one run, in their order: number n is the n-th.
 
-    :param texts: the scenario's ``faults``.
     :raises InputError: a text is not in the language, as in a stored scenario that was changed.
     """
-    return [draw_values(parse(text, "faults"), number, seed) for number, text in enumerate(texts, start=1)]
+    return draw_each(_parse_all(scenario.faults), seed, getattr(scenario, "draws", ()))
+
+
+def draw_each(faults: Sequence[Fault], seed: int, draws: Sequence[float]) -> list[Fault]:
+    """All faults of a run with their values drawn.
+
+    :param draws: of the run, the last of which are those of :func:`list_draws`; empty: the seed draws them.
+    """
+    places = [number for number, _ in list_draws(faults)] if draws else []
+    own = list(zip(places, draws[len(draws) - len(places) :], strict=True))
+    return [
+        draw_values(fault, number, seed, [draw for place, draw in own if place == number])
+        for number, fault in enumerate(faults, start=1)
+    ]
+
+
+def _parse_all(texts: Sequence[str]) -> list[Fault]:
+    return [parse(text, "faults") for text in texts]

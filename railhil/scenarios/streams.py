@@ -15,12 +15,15 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import erfc, log, sqrt
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhil.common.compilable import compilable
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Random
 
 #: Draws of :func:`railhil.systems.ato.scenario.perturb.perturb`.
 PERTURBATION = 0
@@ -48,6 +51,9 @@ AXLE_NOISE = 24
 #: Disturbances of the dwell at the stops of a line, mass of the train in each section, noise of the train protection's
 #: own axle sensor, and of the docking loop.
 DWELL, SECTION_LOAD, PROTECTION_NOISE, DOCKING = 25, 26, 27, 28
+
+#: Of fault n while it is active, in a run with a chain: this number and n.
+_CHAINED_SAMPLES = 1000
 
 #: Counted normal numbers as a sum: for each of its sequences the seed and the coefficient, in the order of summation.
 #: With coefficients whose squares add up to 1 the sums are standard normal numbers, too.
@@ -98,8 +104,22 @@ def fault_generator(stream: int, run_seed: int, number: int, own_seed: int | Non
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence(entropy)))
 
 
+def fault_samples(run_seed: int, number: int, own_seed: int | None, chain: Chain) -> Random:
+    """Random numbers of one fault while it is active.
+
+    :param number, own_seed: as in :func:`fault_generator`.
+    :param chain: of the run; empty: its seed.
+    :raises ValueError: a negative number.
+    """
+    if chain and own_seed is None:
+        return ChainSamples(keys_of(chain, _CHAINED_SAMPLES + number))
+    return fault_generator(FAULT_SAMPLES, run_seed, number, own_seed)
+
+
 #: :class:`NormalSequence` draws its numbers in blocks, which gives the same numbers faster.
 _BLOCK = 4096
+#: Numbers that :class:`ChainSamples` makes together, and the largest number below 1.
+_SAMPLES, _BELOW_ONE = 64, 1.0 - 2.0**-53
 
 
 class NormalSequence:
@@ -246,6 +266,33 @@ def chain_normals(keyed: Chain, first: int, count: int) -> NDArray[np.float64]:
     for key, coefficient in keyed:
         numbers += coefficient * normals(key, first, count)
     return numbers
+
+
+class ChainSamples:
+    """Random numbers from the sums of a chain, one after the other; each kind of number uses one sum.
+
+    :param keyed: of :func:`keys_of`.
+    """
+
+    def __init__(self, keyed: Chain) -> None:
+        self._keyed = keyed
+        self._block: list[float] = []
+        self._first = 0
+
+    def standard_normal(self) -> float:
+        """A standard normal number."""
+        if not self._block:
+            self._block = chain_normals(self._keyed, self._first, _SAMPLES).tolist()[::-1]
+            self._first += _SAMPLES
+        return self._block.pop()
+
+    def random(self) -> float:
+        """A number from 0 to below 1."""
+        return min(probability_of(self.standard_normal()), _BELOW_ONE)
+
+    def integers(self, low: int, high: int, /, *, endpoint: bool = False) -> int:
+        """A whole number from ``low`` to below ``high``, with ``endpoint`` up to ``high``."""
+        return low + int(self.random() * (high - low + endpoint))
 
 
 def probability_of(number: float) -> float:

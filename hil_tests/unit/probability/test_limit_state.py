@@ -74,6 +74,32 @@ def test_draws_without_a_distribution_are_left_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("fault", "name", "is_fast"),
+    [
+        ("mass scale uniform(0.8,1.2) @0s", "fault 1 mass factor", True),
+        ("sensor.speed offset normal(0,0.01) @1s", "fault 1 speed error", False),
+    ],
+)
+def test_values_of_faults_are_sampled_in_the_batch_and_through_the_nodes(
+    fault: str, name: str, is_fast: bool, tmp_path: Path
+) -> None:
+    """Without perturbations, too."""
+    path = tmp_path / "faulty.toml"
+    path.write_text(f'without = ["perturbations"]\nfault = ["{fault}"]\n{QUICK_TOML}')
+    plan = make_plan(Request(str(path), says="at stopped abs(stop_error) <= 0.01 m", arithmetic="float64"))
+    assert plan.state.names == (name,)
+    points = chained_points(plan, 3, 2)
+    margins = plan.state(points)
+    assert plan.state.is_fast is is_fast
+    for row, (own, noise) in enumerate(zip(plan.state.whole_draws(points), points.chains(), strict=True)):
+        assert plan.bench.margins_of(plan.bench.run(own, noise)) == margins[row].tolist()
+    # The same noise, another value.
+    same = points.take(np.array([0, 0, 0]))
+    moved = plan.state(Points(np.array([[0.0], [1.0], [-1.0]]), same.seeds, same.weights))
+    assert len({tuple(row) for row in moved.tolist()}) == 3
+
+
+@pytest.mark.parametrize(
     "says",
     [
         "at stopped abs(stop_error) <= 0.0531 m",

@@ -7,13 +7,14 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhil.common.errors import InputError, Words
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.plants import needs_nodes
-from railhil.scenarios.fault_list import draw_values
+from railhil.scenarios.fault_list import draw_each
 from railhil.systems.ato.scenario.model import Line, Scenario, Train
 
 
@@ -69,13 +70,17 @@ class Mismatch:
         return replace(scenario, train=train, line=line)
 
 
-def constant_mismatches(scenario: Scenario, seeds: Sequence[int]) -> list[Mismatch]:
+def constant_mismatches(
+    scenario: Scenario, seeds: Sequence[int], draws: NDArray[np.float64] | None = None
+) -> list[Mismatch]:
     """The faults of runs without nodes, as a mismatch of train and line for each seed.
 
+    :param draws: of these runs, shape (seeds, draws), instead of those of the scenario.
     :raises InputError: one of them needs the nodes.
     """
     if needs_nodes(scenario):
         allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
         raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
-    faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
-    return [Mismatch.of(draw_values(fault, number, seed) for number, fault in faults) for seed in seeds]
+    faults = [parse(text) for text in scenario.faults]
+    rows = [scenario.draws] * len(seeds) if draws is None else draws.tolist()
+    return [Mismatch.of(draw_each(faults, seed, row)) for seed, row in zip(seeds, rows, strict=True)]

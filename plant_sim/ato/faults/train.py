@@ -54,7 +54,7 @@ class FaultyTrain(TrainOnBus):
     ) -> None:
         tick_ns = scenario.timing.base_tick_ns
         tick_s = tick_ns * 1e-9
-        self.injections = faulty = Injections(faults, seed, tick_ns)
+        self.injections = faulty = Injections(faults, seed, tick_ns, scenario.noise)
         faulty.look(0, 0.0, 0.0)
         self._equipment = FaultyEquipment(faulty, self.OWN_PLACES)
         self._reader = FaultyReader(faulty)

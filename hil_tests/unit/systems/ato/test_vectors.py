@@ -27,7 +27,7 @@ from railhil.systems.ato.batch import VectorRuns, run_batch
 from railhil.systems.ato.batch.noise import standard_noise
 from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Scenario
-from railhil.systems.ato.scenario.perturb import count_draws, find_actual, perturb, unit_draws
+from railhil.systems.ato.scenario.perturb import count_draws, find_actual, name_draws, perturb, unit_draws
 
 LVSHUN = load("lvshun_tieshan")
 DRAWS = count_draws(LVSHUN.line)
@@ -49,7 +49,7 @@ def vectors(scenario: Scenario, runs: int, seed: int = 1) -> tuple[np.ndarray[An
         coefficients /= np.sqrt((coefficients**2).sum())
         seeds = generator.integers(0, 2**32, length)
         noise.append(tuple(zip(seeds.tolist(), coefficients.tolist(), strict=True)))
-    return generator.standard_normal((runs, count_draws(scenario.line))), noise
+    return generator.standard_normal((runs, len(name_draws(scenario)))), noise
 
 
 @given(st.floats(-37.0, 37.0), st.floats(-37.0, 37.0))
@@ -116,15 +116,18 @@ def test_vectors_in_the_batch_are_the_runs_of_the_bench(short: Scenario, law: st
 
 def test_draws_and_a_fault_of_the_train_act_together(short: Scenario, tmp_path: Path) -> None:
     """The mismatch is applied to the drawn train, in the batch, without a bus and through the nodes."""
-    draws, noise = vectors(short, 2)
-    faulty = replace(short, faults=("mass scale normal(1.1,0.02) @0s", "resistance scale 1.3 @0s"))
+    faulty = replace(short, faults=("mass scale normal(1.1,0.02) @0s", "resistance scale uniform(1.1,1.3) @0s"))
+    draws, noise = vectors(faulty, 2)
     law = LawSpec(arithmetic="float64")
     scores = VectorRuns(Case(faulty, law)).run(draws, noise)
     for row, score in enumerate(scores):
         own = replace(faulty, draws=tuple(draws[row].tolist()), noise=noise[row])
         assert direct_run(own, RunSpec(law=law)).score == score
         assert local_run(own, tmp_path, RunSpec(law=law)).score == score
-    assert scores != VectorRuns(Case(short, law)).run(draws, noise)
+    others = draws.copy()
+    others[:, -1] += 1.0
+    changed = VectorRuns(Case(faulty, law)).run(others, noise)
+    assert all(score != other for score, other in zip(scores, changed, strict=True))
 
 
 def test_a_batch_of_seeds_takes_the_draws_and_the_noise_of_its_scenario(short: Scenario) -> None:
@@ -163,6 +166,16 @@ def test_a_wrong_vector_is_refused_in_one_line(setting: str, message: str) -> No
         RunSpec("lvshun_tieshan", (setting,)).load()
     assert message in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_the_values_of_faults_have_their_numbers_too() -> None:
+    drawn = "mass scale normal(1.1,0.1) @0s"
+    with pytest.raises(InputError, match="expected 16 numbers: 9 and one for each balise, 1 for values of faults"):
+        RunSpec("lvshun_tieshan", (f"draws={[0.0] * DRAWS}",), faults=(drawn,)).load()
+    # One with its own seed is the same in every run.
+    RunSpec("lvshun_tieshan", (f"draws={[0.0] * DRAWS}",), faults=(f"{drawn} seed 3",)).load()
+    bare = ("perturbations={}", f"draws={[0.0] * (DRAWS + 1)}")
+    assert RunSpec("lvshun_tieshan", bare, faults=(drawn,)).load().draws[-1] == 0.0
 
 
 def test_draws_without_anything_to_draw_are_refused(tmp_path: Path) -> None:

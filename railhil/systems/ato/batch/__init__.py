@@ -21,7 +21,7 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.judge.score import Score
 from railhil.scenarios.streams import Chain
 from railhil.systems.ato.batch.replay import left_the_healthy_path, notch_digest, replayed
-from railhil.systems.ato.scenario.perturb import count_draws
+from railhil.systems.ato.scenario.perturb import name_draws
 
 if TYPE_CHECKING:
     from railhil.systems.ato.batch.engine import BatchRuns
@@ -54,8 +54,8 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
 class VectorRuns:
     """Runs of a case as functions of vectors: draws and noise, as a scenario can be given them (``draws``, ``noise``).
 
-    The scores of each run are those of the bench with this scenario, to the last digit. Faults draw with seed 0, as a
-    run without a seed does. Needs numba (extra ``campaign``).
+    The scores of each run are those of the bench with this scenario, to the last digit. Needs numba (extra
+    ``campaign``).
 
     :param chunk: number of runs computed together; the results do not depend on it.
     :raises scenarios.errors.InputError: numba is missing, the law does not fit, or a fault needs the nodes.
@@ -66,7 +66,7 @@ class VectorRuns:
 
         self._engine, self._chunk = Engine(case), chunk
         #: Number of draws of a run.
-        self.draws = count_draws(case.scenario.line)
+        self.draws = len(name_draws(case.scenario))
 
     def run(self, draws: NDArray[np.float64], noise: Sequence[Chain]) -> list[Score]:
         """Scores of N runs.

@@ -197,7 +197,9 @@ def trains(
     elif drawn or scenario.draws:
         actual = apply_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
     if scenario.faults:
-        actual = Mismatch.over(constant_mismatches(scenario, seeds)).applied(actual)
+        actual = Mismatch.over(
+            constant_mismatches(scenario, seeds, None if vectors is None else vectors.draws)
+        ).applied(actual)
     train, sensors = actual.train, actual.sensors
     constants = force_tables.train_constants(train)
     step_s, checks = timing.base_tick_ns * 1e-9, train_checks(scenario)

@@ -20,7 +20,7 @@ from railhil.scenarios.validation import Refuse
 from railhil.systems.ato.scenario import model
 from railhil.systems.ato.scenario.effort import force_limit_n, resistance_n
 from railhil.systems.ato.scenario.model import Effort, Scenario, Uniform
-from railhil.systems.ato.scenario.perturb import count_draws
+from railhil.systems.ato.scenario.perturb import count_draws, name_draws
 from railhil.systems.ato.scenario.target import Target
 
 _SAMPLE_S = 0.1
@@ -176,11 +176,13 @@ def check_timing(timing: Timing, perturbations: model.Perturbations, contract: C
 
 def check_vector(scenario: Scenario, refuse: Refuse) -> None:
     """The scenario's own draws are as many as its run has, and its noise is standard normal."""
-    draws, wanted = scenario.draws, count_draws(scenario.line)
-    if draws and not scenario.can_be_perturbed:
+    draws, names = scenario.draws, name_draws(scenario)
+    if draws and not any(names):
         raise refuse(("draws",), Words(count_of(len(draws), "number")), "none without [perturbations]")
-    if draws and len(draws) != wanted:
-        allowed = f"{wanted} numbers: {wanted - len(scenario.line.balises)} and one for each balise"
+    if draws and len(draws) != len(names):
+        balises, of_line = len(scenario.line.balises), count_draws(scenario.line)
+        of_faults = f", {len(names) - of_line} for values of faults" if len(names) > of_line else ""
+        allowed = f"{len(names)} numbers: {of_line - balises} and one for each balise{of_faults}"
         raise refuse(("draws",), Words(count_of(len(draws), "number")), allowed)
     power = fsum(coefficient**2 for _, coefficient in scenario.noise)
     if scenario.noise and abs(power - 1.0) > NOISE_POWER_TOLERANCE:

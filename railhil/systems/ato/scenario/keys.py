@@ -109,12 +109,13 @@ MEANING = {
     "perturbations.loop_delay_s": "loop delay",
     "perturbations.wheel_factor": "sensors.wheel_factor",
     "perturbations.balise_position_error_m": "offset of each balise from its surveyed position",
-    "draws": "standard normal numbers with which the perturbations are drawn, instead of the seed: in the order of "
-    "perturbations.mass_factor, davis_factor, grade_factor, grade_offset_permil, actuator_pole_factor, "
-    "force_gain_factor, speed_noise_sigma_kmh, wheel_factor, loop_delay_s, then one for each balise; a quantity "
-    "without a range has its number, too",
-    "noise": "noise of the axle speed as a sum, rows [seed, coefficient] with squares that add up to 1, instead of "
-    "the noise of the run's seed",
+    "draws": "standard normal numbers with which perturbations and faults are drawn, instead of the seed: in the order "
+    "of perturbations.mass_factor, davis_factor, grade_factor, grade_offset_permil, actuator_pole_factor, "
+    "force_gain_factor, speed_noise_sigma_kmh, wheel_factor, loop_delay_s, then one for each balise, then one for each "
+    "value that a fault without a seed draws (by fault, then by the name of its parameter); a quantity without a range "
+    "has its number, too",
+    "noise": "noise of the axle speed, and the samples of faults, as sums, rows [seed, coefficient] with squares that "
+    "add up to 1, instead of those of the run's seed",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",
     "published[].punctuality_s": "its time error, without sign",

@@ -243,10 +243,12 @@ class Scenario(OfSystem):
     safety: Safety = Safety()
     #: The law of its runs when none is asked for; empty: that of its system.
     law: str = ""
-    #: Standard normal numbers that its perturbations are drawn with, in the order of
-    #: :func:`railhil.systems.ato.scenario.perturb.unit_draws`; empty: the seed draws them, in perturbed runs only.
+    #: Standard normal numbers that its perturbations and its faults are drawn with, in the order of
+    #: :func:`railhil.systems.ato.scenario.perturb.name_draws`; empty: the seed draws them, perturbations in perturbed
+    #: runs only.
     draws: tuple[float, ...] = ()
-    #: The sequences whose sum is the noise of its speed sensor, in standard deviations; empty: that of the seed.
+    #: The sequences whose sum is the noise of its speed sensor, in standard deviations, and of which the samples of its
+    #: faults are made; empty: those of the seed.
     noise: Chain = ()
 
     @property

@@ -28,12 +28,12 @@ class _Draws:
         return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
 
 
-#: Number of draws per run, not counting one for each balise.
+#: Number of draws per run, not counting one for each balise and those of its faults.
 _DRAWS = 9
 
 
 def count_draws(line: Line) -> int:
-    """Number of draws per run on a line."""
+    """Number of draws of the perturbations of a run on a line. Those of its faults follow them."""
     return _DRAWS + len(line.balises)
 
 
@@ -52,12 +52,18 @@ def name_draws(scenario: Scenario) -> tuple[str | None, ...]:
         ("loop delay", given.loop_delay_s),
         *((f"balise {balise.number}", given.balise_position_error_m) for balise in scenario.line.balises),
     ]
-    return tuple(name if bounds is not None else None for name, bounds in named)
+    perturbed = tuple(name if bounds is not None else None for name, bounds in named)
+    if not scenario.faults:
+        return perturbed
+    # Only a run with faults loads their language.
+    from railhil.scenarios.fault_list import name_fault_draws
+
+    return perturbed + name_fault_draws(scenario.faults)
 
 
 def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
-    """Numbers in 0..1 that determine the perturbations of a run, shape (draws,): the scenario's own ``draws``, else
-    those of the seed.
+    """Numbers in 0..1 that determine the perturbations of a run, shape (draws,), behind which there may be others: the
+    scenario's own ``draws``, else those of the seed.
 
     Raises ``ValueError`` for a negative seed.
     """
@@ -94,7 +100,8 @@ def perturb(scenario: Scenario, seed: int) -> Scenario:
 def apply_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
     """:func:`perturb` with given draws.
 
-    :param units: one number for each draw; with arrays of shape (N,) the perturbed quantities are such arrays as well.
+    :param units: one number for each draw, further ones are ignored; with arrays of shape (N,) the perturbed quantities
+        are such arrays as well.
     """
     given = scenario.perturbations
     draws = _Draws(units)
