@@ -122,11 +122,14 @@ class PlantNode:
         self._supervisor.heard(time.monotonic_ns())
 
     def adopt(self, scenario: AnyScenario, run: RunSpec, folder: Path | None) -> None:
-        """Be the plant of another run from the next tick on, which differs from this one only in its faults.
+        """Be the plant of another run from the next tick on, which differs from this one only in its faults, and in the
+        noise from then on.
 
         :raises InputError: a fault has begun that is not in both runs.
         """
         self.faults.adopt(scenario, run.seed, folder)
+        if change := getattr(scenario, "noise_change", None):
+            self.plant.renew_noise(*change)  # type: ignore[attr-defined]
         self._handshake.own = replace(self._handshake.own, scenario_hash=plant_ident(scenario, run).scenario_hash)
 
     # -- before the run -------------------------------------------------------------------------------------------

@@ -261,6 +261,24 @@ def test_a_trunk_leaves_no_open_file_and_no_folder(
 
 
 @needs_fork
+def test_a_branch_with_other_noise_is_the_run_that_has_it_from_there(short: RunSpec, tmp_path: Path) -> None:
+    found = set()
+    with Trunk(short) as trunk:
+        for from_s in (0.5, 2.0):
+            trunk.advance(from_s)
+            for seed in (8, 9):
+                setting = f"noise_from=[{from_s}, {seed}]"
+                made = trunk.branch((), keep=False, settings=(setting,))
+                assert not trunk.straight
+                straight = record_run(
+                    replace(short, settings=(*short.settings, setting), out=tmp_path / f"{len(found)}")
+                )
+                assert made.frames_sha256 == straight.frames_sha256
+                found.add(made.frames_sha256)
+    assert len(found) == 4
+
+
+@needs_fork
 def test_the_point_of_no_return_is_between_two_ticks(short: RunSpec, tmp_path: Path) -> None:
     spec = replace(short, faults=("brake off @2s",))
     run = record_run(replace(spec, out=tmp_path / "run"))

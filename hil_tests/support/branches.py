@@ -87,7 +87,7 @@ def fork_here(scenario: str, folder: str) -> None:
     pid = os.fork()
     if not pid:
         Path(folder).mkdir()
-        standing.become(Branch(("TRN_SPEED loss @1s for 50ms",), Path(folder), True))
+        standing.become(Branch(("TRN_SPEED loss @1s for 50ms",), Path(folder), True, standing.spec.settings))
         os._exit(0)
     assert os.waitpid(pid, 0)[1] == 0
     standing.close()

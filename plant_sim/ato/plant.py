@@ -111,6 +111,8 @@ class Plant(PlantReadings):
         self._enter(scenario.line)
 
         self._sensors = AxleSensors(scenario.sensors, seed, noise=scenario.noise)
+        if scenario.noise_change is not None:
+            self.renew_noise(*scenario.noise_change)
         self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
         # The balise under the waiting train was read when it arrived.
         while self._balises and self._balises[0].true_m <= 0.0:
@@ -140,6 +142,10 @@ class Plant(PlantReadings):
         self._grades = force_tables.grade_table(line.grade_permil, train.length_m)
         self._front_limit = find_lowest(line.speed_limit_mps, train.length_m, train.speed_limit_mps)
         self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, self._motion.position_m)
+
+    def renew_noise(self, tick: int, seed: int) -> None:
+        """From a tick on, read with the noise of another seed."""
+        self._sensors.renew(tick, seed)
 
     # -- time -----------------------------------------------------------------------------------------------------
 

@@ -47,8 +47,15 @@ class AxleSensors:
     def __init__(self, sensors: Sensors, seed: int, stream: int = streams.AXLE_NOISE, noise: Chain = ()) -> None:
         self.sensors = sensors
         self._keyed = keys_of(chain_of(seed, noise), stream)
+        self._stream = stream
+        self._renewed, self._renewed_tick = self._keyed, 0
         self._first_tick = 0
         self._block_mps: list[float] = []
+
+    def renew(self, tick: int, seed: int) -> None:
+        """From a tick on, have the noise of another seed."""
+        self._renewed, self._renewed_tick = keys_of(chain_of(seed), self._stream), tick
+        self._block_mps = []
 
     def speed_01mmps(self, speed_mps: float, tick: int) -> int:
         """Reading of a true speed >= 0 at a tick, in 0.1 mm/s."""
@@ -62,6 +69,10 @@ class AxleSensors:
             index = tick % _NOISE_BLOCK
             self._first_tick = tick - index
             draws = chain_normals(self._keyed, self._first_tick, _NOISE_BLOCK)
+            before = self._renewed_tick - self._first_tick
+            if self._renewed is not self._keyed and before < _NOISE_BLOCK:
+                before = max(before, 0)
+                draws[before:] = chain_normals(self._renewed, self._first_tick + before, _NOISE_BLOCK - before)
             self._block_mps = (draws * self.sensors.speed_noise_sigma_mps).tolist()
         return self._block_mps[index]
 

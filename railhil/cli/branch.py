@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 
 from railhil.common.errors import InputError, Sentence, Words
 from railhil.common.exit_codes import PASS
@@ -79,18 +80,19 @@ def work(namespace: argparse.Namespace) -> int:
 
 
 def _no_return(namespace: argparse.Namespace) -> int:
+    from railhil.batch.decision import decision_of
     from railhil.judge.record import checked_record
-    from railhil.run.no_return import find_no_return
+    from railhil.run.no_return import find_no_return, has_acting_faults
 
     if namespace.instant is not None or namespace.fault or namespace.out is not None:
         said = Sentence("cannot be given with @TIME, --fault or --out")
         raise InputError("command line", "--no-return", Words(), said)
     record = checked_record(namespace.run, None)
     if record.verdict != "FAIL":
-        raise InputError(namespace.run, "verdict", record.verdict, "FAIL: a run that its faults have lost")
-    found = find_no_return(record)
+        raise InputError(namespace.run, "verdict", record.verdict, "FAIL: a run that its faults or its noise have lost")
+    found = find_no_return(record) if has_acting_faults(record) else decision_of(record)
     if namespace.json:
-        print_json({"saved_s": found.saved_s, "lost_s": found.lost_s, "branches": found.branches})
+        print_json(asdict(found))
     else:
         Output().say(found.sentence)
     return PASS

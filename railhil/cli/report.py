@@ -122,10 +122,10 @@ def _noise(records: Sequence[Record], named: Path | None, out: Path) -> list[Noi
 
 
 def _no_return(records: Sequence[Record]) -> list[str]:
-    """The points of no return of the runs that their faults have lost, a sentence each."""
-    from railhil.run.no_return import no_return_sentence
+    """Up to when the runs that fail could be saved, a sentence each."""
+    from railhil.batch.decision import lost_sentence
 
-    found = ((record, no_return_sentence(record)) for record in records)
+    found = ((record, lost_sentence(record)) for record in records)
     return [f"{record.label}: {said}" if len(records) > 1 else said for record, said in found if said]
 
 

@@ -320,9 +320,9 @@ def _conclude(
     folder, found = result.place, as_recorded(result)
     lost = ""
     if namespace.no_return:
-        from railhil.run.no_return import no_return_sentence
+        from railhil.batch.decision import lost_sentence
 
-        lost = no_return_sentence(found)
+        lost = lost_sentence(found)
     report = "" if namespace.no_report else report_line([found], folder, [lost] if lost else ())
     sign_list(folder, namespace.sign)
     # Faults may have been typed while the run waited for its start.

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhil.batch.decision import Decision, find_decision, scores_that_violate
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, describe_os_error
 from railhil.common.user_files import RecordFailed, write_synced
@@ -46,26 +47,34 @@ WITHOUT, PASSING = "-without", "-passing"
 @dataclass(frozen=True, slots=True)
 class _KeptRun:
     """A run whose folder is kept: of a scenario file that a hunt has written, or beside it. ``requirement``: of which
-    its point of no return is searched for; empty: it is not."""
+    is searched for when it is lost; empty: it is not. ``is_by_noise``: by its noise, else by its faults."""
 
     spec: RunSpec
     requirements: tuple[Requirement, ...]
     folder: Path
     requirement: str = ""
+    is_by_noise: bool = False
 
 
-def _keep_run(run: _KeptRun) -> tuple[Judged, NoReturn | None]:
+def _keep_run(run: _KeptRun) -> tuple[Judged, NoReturn | Decision | None]:
     found = run_case(run.spec, run.requirements, run.spec.faults, run.spec.seed, run.folder)
     if run.requirement not in found.violated or not (run.folder / CERTIFICATE).is_file():
         return found, None
+
+    def violates(result: Result) -> bool:
+        return run.requirement in judge_result(result, run.requirements).violated
 
     def saves(result: Result) -> bool:
         judged = judge_result(result, run.requirements)
         return judged.is_valid and run.requirement not in judged.violated
 
+    record = checked_record(str(run.folder), None)
+    own = [one for one in run.requirements if one.id == run.requirement]
     try:
-        code = NamedCode(controller=run.spec.law.given)
-        return found, find_no_return(checked_record(str(run.folder), None), saves, code)
+        if run.is_by_noise:
+            scores = scores_that_violate(own, record.scenario) if own else None
+            return found, find_decision(run.spec, record.trace.end_s, violates, scores)
+        return found, find_no_return(record, saves, NamedCode(controller=run.spec.law.given))
     except InputError:
         # Without a fault that began there is none.
         return found, None
@@ -170,8 +179,9 @@ def write_found(plan: Plan, place: Path, least: Sequence[Least], engine: Engine)
     for name, one in zip(names, least, strict=True):
         own = replace(with_draws(base, one.draws), seed=one.shrunk.seed)
         file = replace(base, seed=one.shrunk.seed, scenario=str(place / f"{name}.toml"))
-        searched = one.task.requirement if one.task.shrinks and one.shrunk.faults else ""
-        runs[name] = _KeptRun(file, plan.requirements, place / name, searched)
+        is_by_noise = not one.shrunk.faults and bool(plan.drawn)
+        searched = one.task.requirement if one.task.shrinks and (one.shrunk.faults or is_by_noise) else ""
+        runs[name] = _KeptRun(file, plan.requirements, place / name, searched, is_by_noise)
         if one.shrunk.faults:
             runs[name + WITHOUT] = _KeptRun(own, plan.requirements, place / (name + WITHOUT))
         if one.passing:
@@ -183,7 +193,7 @@ def write_found(plan: Plan, place: Path, least: Sequence[Least], engine: Engine)
     return [_entry(plan, name, one, *kept[name]) for name, one in zip(names, least, strict=True)]
 
 
-def _entry(plan: Plan, name: str, one: Least, again: Judged, no_return: NoReturn | None) -> dict[str, Any]:
+def _entry(plan: Plan, name: str, one: Least, again: Judged, lost: NoReturn | Decision | None) -> dict[str, Any]:
     task = one.task
     return {
         "id": task.requirement,
@@ -196,7 +206,8 @@ def _entry(plan: Plan, name: str, one: Least, again: Judged, no_return: NoReturn
         "faults": list(one.shrunk.faults),
         "longer_pass": list(one.shrunk.longer_pass),
         "passing": None if one.passing is None else list(one.passing),
-        "no_return": None if no_return is None else asdict(no_return),
+        "no_return": asdict(lost) if isinstance(lost, NoReturn) else None,
+        "decided": asdict(lost) if isinstance(lost, Decision) else None,
         "frames_sha256": one.frames_sha256,
         "options": _options(plan, one),
         "is_repeatable": again.frames_sha256 == one.frames_sha256 and task.requirement in again.violated,

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from railhil.batch.decision import Decision, decision_figure
 from railhil.charts.figure import Figure
 from railhil.common.digits import count_of
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
@@ -66,6 +67,7 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
         parts = drawn.parts(grid, min(grid.tick_at(outcome.instant_s), grid.count - 1))
     file = shlex.quote(f"{FOUND}/{one['name']}.toml")
     pictures: list[Figure] = figures(one["name"], sides, drawn, outcome) if sides else []
+    decided = one.get("decided")
     faults = count_of(len(one["from"]["faults"]), "fault")
     shrunk = f"shrunk in {count_of(one['runs'], 'run')} from {faults} to {len(one['faults'])}"
     return {
@@ -78,6 +80,7 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
         "outcome": outcome,
         "saved": saved_sentence(one),
         "pictures": pictures,
+        "decision": decision_figure(Decision.from_json(decided), f"{one['name']}-decision") if decided else None,
         "command": f"railhil run {file}{one['options']}",
     }
 

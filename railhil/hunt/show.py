@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhil.batch.decision import Decision
 from railhil.common.digits import count_of
 from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND
@@ -112,6 +113,8 @@ def tight_sentence(one: Mapping[str, Any]) -> str:
 
 def saved_sentence(one: Mapping[str, Any]) -> str:
     """Up to when the run of a least case can be saved; empty: it is not known."""
+    if found := one.get("decided"):
+        return Decision.from_json(found).sentence
     if found := one["no_return"]:
         many = f"({count_of(found['branches'], 'branch', 'branches')})"
         if found["saved_s"] is None:

@@ -6,12 +6,13 @@ import json
 import os
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from railhil.batch.decision import find_decision, scores_that_violate
 from railhil.common.user_files import write_synced
 from railhil.judge.requirements.requirement import as_toml
 from railhil.judge.result import Result
@@ -111,12 +112,24 @@ def with_least(plan: Plan, made: Outcome, rows: Sequence[Mapping[str, Any]]) -> 
             "margins": plan.bench.margins_of(result),
             # Without the folder: the same bytes in any.
             "options": shlex.join([*set_words(plan.request.settings), *law.words]),
+            "decided": _decided(plan, path, result),
         }
     summary = {**made.summary, "least": document}
     summary["runs"] += 0 if found is None else found.runs
     write_synced(made.folder / SUMMARY, (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
     write_hash_list(made.folder)
     return replace(made, summary=summary)
+
+
+def _decided(plan: Plan, path: Path, result: Result) -> dict[str, Any]:
+    """When its noise has decided that the run of a file violates the requirement."""
+    spec = RunSpec(str(path), plan.request.settings, plan.bench.base.law, bus="local")
+
+    def violates(result: Result) -> bool:
+        return min(plan.bench.margins_of(result)) < 0
+
+    scores = scores_that_violate([plan.requirement], plan.scenario)
+    return asdict(find_decision(spec, result.trace.end_s, violates, scores))
 
 
 def _file(plan: Plan, folder: Path, found: Least) -> str:

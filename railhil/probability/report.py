@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from railhil.batch.decision import Decision, decision_figure
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
@@ -22,9 +23,19 @@ _CAUSE_MIN = 0.005
 def page(plan: Plan, summary: Mapping[str, Any]) -> str:
     """The report as one HTML document without external references."""
     first, *told = (line.strip() for line in lines(plan, summary, Path()))
-    figures = [one for one in (_levels(summary), _repetitions(summary), _causes(summary)) if one is not None]
+    figures = [
+        one
+        for one in (_levels(summary), _repetitions(summary), _causes(summary), _decision(summary))
+        if one is not None
+    ]
     title = f"Probability on {plan.scenario.title}"
     return study_page(title, f"{first}: {plan.requirement.says}", [*told[:-1], *figures], warnings=told[-1:])
+
+
+def _decision(summary: Mapping[str, Any]) -> Figure | None:
+    """When the noise of the least disturbance has decided; None: it is not known."""
+    decided = (summary["least"] or {}).get("decided")
+    return decision_figure(Decision.from_json(decided), "decision") if decided else None
 
 
 def _levels(summary: Mapping[str, Any]) -> Figure | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhil.batch.decision import Decision
 from railhil.common.digits import count_of
 from railhil.probability.plan import LEAST
 from railhil.scenarios.fault_list import name_fault_draws
@@ -34,6 +35,8 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str]
         yield f"the least disturbance: {least['size']:.2f} standard deviations of the draws ({folder / LEAST})"
         yield f"    railhil run {shlex.quote(str(folder / LEAST))} {least['options']}"
         yield f"    sha256 {least['sha256'][:12]}..."
+        if decided := least.get("decided"):
+            yield f"    {Decision.from_json(decided).sentence}"
     yield _verdict(plan, summary)
 
 

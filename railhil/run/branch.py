@@ -203,27 +203,36 @@ class Trunk:
             raise InputError("branch", "instant", f"{time_s:g} s", f"{self.time_s:g} s or later")
         self.time_s = time_s
 
-    def branch(self, faults: Sequence[str], folder: str | Path | None = None, *, keep: bool = True) -> Result:
+    def branch(
+        self,
+        faults: Sequence[str],
+        folder: str | Path | None = None,
+        *,
+        keep: bool = True,
+        settings: Sequence[str] = (),
+    ) -> Result:
         """One run with these faults, which do not begin before the instant unless the trunk has them.
 
         :param faults: all of its run besides the scenario's own.
         :param folder: its run folder, new or empty; None: ``runs/<utc>-<scenario>-<controller>``.
         :param keep: whether the folder is to be complete and to stay; else it is removed.
+        :param settings: further ones of its scenario, that change nothing before the instant (``noise_from``).
         :raises InputError: one of the faults cannot be injected, or begins earlier.
         """
         if not keep:
             with tempfile.TemporaryDirectory(prefix="railhil-") as private:
-                return replace(self._branch(faults, Path(private) / "run", keep=False), folder=None)
-        return self._branch(faults, folder, keep=True)
+                return replace(self._branch(faults, Path(private) / "run", settings, keep=False), folder=None)
+        return self._branch(faults, folder, settings, keep=True)
 
-    def _branch(self, faults: Sequence[str], out: str | Path | None, *, keep: bool) -> Result:
+    def _branch(self, faults: Sequence[str], out: str | Path | None, settings: Sequence[str], *, keep: bool) -> Result:
+        spec = replace(self.spec, settings=(*self.spec.settings, *settings))
         if self._process is None:
-            return branch_straight(self.spec, faults, out, self.time_s, self.straight, keep=keep)
+            return branch_straight(spec, faults, out, self.time_s, self.straight, keep=keep)
         from railhil.run.trunk import Branch, NoFork
 
         folder, made = run_folder(out, self.spec.load().name, self.spec.folder_controller)
         try:
-            found = self._ask(Branch(tuple(faults), folder.resolve(), keep))
+            found = self._ask(Branch(tuple(faults), folder.resolve(), keep, spec.settings))
         except BaseException as error:
             if not isinstance(error, Exception):
                 # The branch may still write.
@@ -233,7 +242,7 @@ class Trunk:
         if isinstance(found, NoFork):
             discard_folder(folder, made)
             self.straight = found.why
-            return branch_straight(self.spec, faults, out, self.time_s, found.why, keep=keep)
+            return branch_straight(spec, faults, out, self.time_s, found.why, keep=keep)
         self.straight = ""
         result: Result = found
         return replace(result, folder=folder)

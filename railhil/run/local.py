@@ -144,7 +144,8 @@ class LocalRun(Run):
         return "", PASS
 
     def adopt(self, plan: Plan) -> None:
-        """Be another run from the next tick on, which differs only in its faults; its log is moved by the caller.
+        """Be another run from the next tick on, which differs only in its faults and its later noise; its log is moved
+        by the caller.
 
         :raises InputError: a fault has begun that is not in both runs.
         """

@@ -58,6 +58,11 @@ class _Acting:
     ended_s: float | None
 
 
+def has_acting_faults(record: Record) -> bool:
+    """Whether a fault of a recorded run began."""
+    return bool(_acting(record))
+
+
 def no_return_sentence(record: Record) -> str:
     """The point of no return of a recorded run in words; empty for a run that its faults have not lost."""
     if record.verdict != "FAIL" or not _acting(record):

@@ -63,11 +63,17 @@ class Branch:
     :ivar faults: all of its run besides the scenario's own.
     :ivar folder: its empty run folder.
     :ivar keep: whether the folder is to be complete; else it has only what the result needs.
+    :ivar settings: all of its scenario.
     """
 
     faults: tuple[str, ...]
     folder: Path
     keep: bool
+    settings: tuple[str, ...]
+
+    def of(self, trunk: RunSpec) -> RunSpec:
+        """The run of the branch."""
+        return replace(trunk, faults=self.faults, settings=self.settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +155,7 @@ class Standing:
 
         :raises InputError: one of its faults cannot be injected, or has begun.
         """
-        spec = replace(self.spec, faults=asked.faults)
+        spec = asked.of(self.spec)
         plan = _plan(spec, spec.load(), asked.folder)
         check_faults(plan.scenario, [LOCAL], spec.pace)
         run, instant_ns = self.run, self.instant_ns
@@ -208,7 +214,7 @@ def serve(pipe: Connection, spec: RunSpec) -> None:
 def _fork(pipe: Connection, trunk: Standing, asked: Branch) -> None:
     """Make a branch, which answers by itself; a branch that has died ends the trunk."""
     try:
-        why = trunk.why_not(replace(trunk.spec, faults=asked.faults).load())
+        why = trunk.why_not(asked.of(trunk.spec).load())
     except InputError as error:
         pipe.send(error)
         return

@@ -149,11 +149,11 @@ def require_perturbations(scenario: AnyScenario, key: str) -> None:
 def require_free_draws(scenario: AnyScenario, key: str, *, wholly: bool = False) -> None:
     """Refuse many drawn runs of a scenario that has its own ``draws`` and ``noise``: they would all be the same.
 
-    :param key: the command that requests them. :param wholly: neither of the two may be given.
+    :param key: the command that requests them. :param wholly: neither of them may be given, nor ``noise_from``.
     :raises InputError: both are given, or one of them.
     """
-    given = [name for name in ("draws", "noise") if getattr(scenario, name, ())]
-    if len(given) == 2 or (wholly and given):
+    given = [name for name in ("draws", "noise", "noise_from") if getattr(scenario, name, ())]
+    if {"draws", "noise"} <= {*given} or (wholly and given):
         found = Words(f"the scenario {scenario.name} with {' and '.join(given)} of its own")
         raise InputError("command line", key, found, "a scenario without them: this command draws them")
 

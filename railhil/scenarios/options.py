@@ -120,7 +120,7 @@ _DECLARED: Final[Mapping[str, Mapping[str, Any]]] = {
         "usual": "one beside the run, of its scenario and law",
     },
     "--no-return": {
-        "action": "store_true", "help": "the last instant at which ending all faults still saves a run that fails",
+        "action": "store_true", "help": "up to when ending all faults, or else other noise, saves a run that fails",
     },
     FMU_OPTION: {"metavar": "FILE", "help": "this FMU is the controller, native code (needs the extra [fmi])"},
     FMU_MAP_OPTION: {

@@ -21,6 +21,7 @@ from railhil.judge.requirements.requirement import Requirement, scenario_require
 from railhil.probability import least, plan, study
 from railhil.probability.limit_state import Bench, sides_of
 from railhil.probability.plan import Plan, Request, make_plan
+from railhil.probability.report import page
 from railhil.probability.sampling import Floats, Points
 from railhil.probability.show import lines
 from railhil.probability.study import PROBABILITY, exit_code
@@ -76,6 +77,7 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> MadeUpBench:
     monkeypatch.setattr(Bench, "margins_of", lambda self, result: result.margins)
     found = SimpleNamespace(frames_sha256="a" * 64, margins=[-0.1])
     monkeypatch.setattr(least, "run_file", lambda *given: found)
+    monkeypatch.setattr(least, "_decided", lambda *given: {"runs": 64, "at_s": [0.0, 2.5], "failed": [3, 64]})
     return made
 
 
@@ -112,6 +114,11 @@ def test_a_rare_event_of_two_sides_is_found_with_its_interval_and_said_with_what
     assert any(line.startswith(f'P(not "{STOP}") = ') and "95%" in line for line in told)
     assert any("over: the 2 draws of [perturbations]" in line and "not over: faults" in line for line in told)
     assert not any("safe" in line or "verified" in line for line in told)
+    said = "decided between 0 and 2.5 s: 3 of 64 ... 64 of 64 continuations with new noise from there fail"
+    assert said in map(str.strip, told)
+    text = page(made_plan, found)
+    assert '<figure id="decision">' in text
+    assert "from 2.5 s: 64 of 64 fail" in text
 
 
 def test_causes_are_those_of_the_signed_margin(bench: MadeUpBench, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.streams import Chain, probability_of
 from railhil.systems.ato.batch import VectorRuns, run_batch
-from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.batch.noise import renew_noise, standard_noise
 from railhil.systems.ato.batch.replay import trace_digest
 from railhil.systems.ato.scenario.model import Scenario
 from railhil.systems.ato.scenario.perturb import count_draws, find_actual, name_draws, perturb, unit_draws
@@ -103,6 +103,37 @@ def test_noise_is_the_sum_of_its_sequences_in_node_and_batch() -> None:
         assert found[:, column].tolist() == [axle.noise_mps(tick) for tick in ticks.tolist()]
 
 
+def test_from_an_instant_on_the_noise_is_that_of_another_seed_in_node_and_batch() -> None:
+    sensors = replace(LVSHUN.sensors, speed_noise_sigma_mps=1.0)
+    ticks = np.array([0, 4095, 4096, 8999, 9000, 9001, 12_288, 4096, 9000])
+    noise = standard_noise([((3, 1.0),)] * 3, ticks)
+    changes = [(0, 7), (9000, 7), (12_289, 7)]
+    found = renew_noise(noise, ticks, changes)
+    before, after = AxleSensors(sensors, 3), AxleSensors(sensors, 7)
+    for column, (from_tick, seed) in enumerate(changes):
+        axle = AxleSensors(sensors, 3)
+        axle.noise_mps(0)
+        axle.renew(from_tick, seed)
+        wanted = [(before if tick < from_tick else after).noise_mps(tick) for tick in ticks.tolist()]
+        assert [axle.noise_mps(tick) for tick in ticks.tolist()] == found[:, column].tolist() == wanted
+
+
+def test_continuations_in_the_batch_are_the_runs_of_the_bench(short: Scenario, tmp_path: Path) -> None:
+    law = LawSpec(arithmetic="float64")
+    own = replace(short, draws=tuple(vectors(short, 1)[0][0].tolist()))
+    changes = [(0.0, 4), (3.005, 4), (3.005, 5), (7.9, 5), (100.0, 5)]
+    runs = [replace(own, noise_from=change) for change in changes]
+    ticks = [change for run in runs if (change := run.noise_change) is not None]
+    assert [tick for tick, _ in ticks] == [0, 301, 301, 790, 10_000]
+    scores = VectorRuns(Case(own, law), chunk=2).continue_run(3, ticks)
+    for run, score in zip(runs, scores, strict=True):
+        assert local_run(run, tmp_path, RunSpec(law=law, seed=3)).score == score
+        assert run_batch(Case(run, law), [3]).scores == (score,)
+    assert scores[0] == direct_run(own, RunSpec(law=law, seed=4)).score
+    assert scores[-1] == direct_run(own, RunSpec(law=law, seed=3)).score
+    assert len({score.signed["stop_error_m"] for score in scores}) > 2
+
+
 @pytest.mark.parametrize("law", ["ipfc", "ipfc_plus_stop"])
 def test_vectors_in_the_batch_are_the_runs_of_the_bench(short: Scenario, law: str) -> None:
     case = Case(short, LawSpec(law, arithmetic="float64"))
@@ -159,6 +190,9 @@ def test_another_number_of_draws_is_refused_in_the_batch(short: Scenario) -> Non
         ("noise=[[4294967296, 1.0]]", "noise[0][0]: found 4294967296, allowed at most"),
         ("noise=[[3, inf]]", "noise[0][1]: found inf, allowed a finite number"),
         ("noise=[[3]]", "noise[0][1]: missing"),
+        ("noise_from=[-1, 3]", "noise_from[0]: found -1, allowed at least 0"),
+        ("noise_from=[1.5, 0.5]", "noise_from[1]: found 0.5, allowed"),
+        ("noise_from=[1.5]", "noise_from[1]: missing"),
     ],
 )
 def test_a_wrong_vector_is_refused_in_one_line(setting: str, message: str) -> None:
@@ -191,9 +225,10 @@ def test_a_scenario_without_a_vector_has_the_hash_that_it_had() -> None:
     zero = replace(LVSHUN, draws=(), noise=())
     assert load("lvshun_tieshan").sha256 == zero.sha256
     given = [
-        RunSpec("lvshun_tieshan", (text,)).load().sha256 for text in (f"draws={[0.0] * DRAWS}", "noise=[[0, 1.0]]")
+        RunSpec("lvshun_tieshan", (text,)).load().sha256
+        for text in (f"draws={[0.0] * DRAWS}", "noise=[[0, 1.0]]", "noise_from=[9, 1]", "noise_from=[9, 2]")
     ]
-    assert len({*given, zero.sha256}) == 3
+    assert len({*given, zero.sha256}) == 5
 
 
 @pytest.mark.slow

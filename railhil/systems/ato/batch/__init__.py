@@ -86,6 +86,15 @@ class VectorRuns:
             scores += self._engine.run([0] * len(noise[rows]), Vectors(draws[rows], noise[rows])).scores
         return scores
 
+    def continue_run(self, seed: int, changes: Sequence[tuple[int, int]]) -> list[Score]:
+        """Scores of one run of the case, again and again with other noise from a tick on.
+
+        :param changes: for each time the tick, and the seed of the later noise.
+        :raises plant_sim.plant.PlantError: the simulation failed.
+        """
+        parts = [changes[first : first + self._chunk] for first in range(0, len(changes), self._chunk)]
+        return [score for part in parts for score in self._engine.run([seed] * len(part), None, part).scores]
+
 
 def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> Batch:
     scores = [score for chunk in chunks for score in chunk.scores]

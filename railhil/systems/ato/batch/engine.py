@@ -24,7 +24,7 @@ from railhil.systems.ato.batch import lanes
 from railhil.systems.ato.batch.emitted_law import loop_of
 from railhil.systems.ato.batch.kernel import run_period, stand_to_the_end
 from railhil.systems.ato.batch.layout import READ_ENDED
-from railhil.systems.ato.batch.noise import standard_noise
+from railhil.systems.ato.batch.noise import renew_noise, standard_noise
 from railhil.systems.ato.batch.setup import Times, Trains, Vectors, common, status_tick, trains
 from railhil.systems.ato.judge import measures
 from railhil.systems.ato.judge.journey import ErrorGrid, stop_of
@@ -68,10 +68,13 @@ class Engine:
         #: Whether the loop reads the last balise; a loop without this declaration gets it.
         self._track = getattr(loop, "track", True)
 
-    def run(self, seeds: Sequence[int], vectors: Vectors | None = None) -> BatchRuns:
+    def run(
+        self, seeds: Sequence[int], vectors: Vectors | None = None, changes: Sequence[tuple[int, int]] = ()
+    ) -> BatchRuns:
         """Run the seeds together.
 
         :param vectors: draws and noise of these runs, instead of those of their seeds.
+        :param changes: of each run the first tick with the noise of another seed, and this seed; none: the scenario's.
         :raises PlantError: the state of a train is no longer finite.
         :raises InputError: the law has raised.
         """
@@ -80,6 +83,10 @@ class Engine:
         ended = fleet.tables.readings[READ_ENDED]
         chains = [chain_of(seed, case.scenario.noise) for seed in seeds] if vectors is None else vectors.noise
         noise = standard_noise(chains, times.steps)
+        if not changes and case.scenario.noise_change is not None:
+            changes = [case.scenario.noise_change] * len(seeds)
+        if changes:
+            noise = renew_noise(noise, times.steps, changes)
         watch = _Watch(self._number, len(seeds))
         codes = np.zeros((times.steps.size, len(seeds)), dtype=np.int16)
         self._loop.state = None

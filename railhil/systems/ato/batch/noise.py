@@ -24,6 +24,17 @@ def _draw(keys: Any, coefficients: Any, ends: Any, ticks: Any, numbers: Any) -> 
             numbers[row, column] = number
 
 
+def renew_noise(
+    noise: NDArray[np.float64], ticks: NDArray[np.int64], changes: Sequence[tuple[int, int]]
+) -> NDArray[np.float64]:
+    """Noise of :func:`standard_noise`, which each run has anew from a tick on.
+
+    :param changes: of each run the tick, and the seed of its later noise.
+    """
+    later = standard_noise([streams.chain_of(seed) for _, seed in changes], ticks)
+    return np.where(ticks[:, None] < [tick for tick, _ in changes], noise, later)
+
+
 def standard_noise(chains: Sequence[streams.Chain], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
     """Standard normal numbers of :class:`~railhil.plant_sim.ato.plant_readings.AxleSensors`, shape (ticks, chains).
 

@@ -116,6 +116,7 @@ MEANING = {
     "has its number, too",
     "noise": "noise of the axle speed, and the samples of faults, as sums, rows [seed, coefficient] with squares that "
     "add up to 1, instead of those of the run's seed",
+    "noise_from": "[instant in s, seed]: from this instant on the noise of the axle speed is that of this seed",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",
     "published[].punctuality_s": "its time error, without sign",

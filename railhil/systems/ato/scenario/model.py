@@ -250,6 +250,16 @@ class Scenario(OfSystem):
     #: The sequences whose sum is the noise of its speed sensor, in standard deviations, and of which the samples of its
     #: faults are made; empty: those of the seed.
     noise: Chain = ()
+    #: An instant in s, from which the noise is that of another seed, and this seed.
+    noise_from: tuple[float, int] | None = None
+
+    @property
+    def noise_change(self) -> tuple[int, int] | None:
+        """The first tick with the noise of another seed, and this seed; None: there is none."""
+        if self.noise_from is None:
+            return None
+        from_s, seed = self.noise_from
+        return -(-round(from_s * 1e9) // self.timing.base_tick_ns), seed
 
     @property
     def usual_law(self) -> str:

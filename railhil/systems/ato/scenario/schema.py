@@ -262,6 +262,10 @@ class PerturbationsTable(Table):
 Sequence = Annotated[tuple[Annotated[int, Field(ge=0, le=0xFFFF_FFFF)], Number], Strict(False)]
 
 
+#: A row ``[instant, seed]``.
+NoiseChange = Annotated[tuple[NotNegative, Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]], Strict(False)]
+
+
 class PublishedTable(Table):
     """One row of a published result table."""
 
@@ -293,6 +297,7 @@ class ScenarioFile(Table):
     perturbations: PerturbationsTable = PerturbationsTable()
     draws: list[Number] = []
     noise: Annotated[list[Sequence], Field(max_length=1000)] = []
+    noise_from: NoiseChange | None = None
     published: list[PublishedTable] = []
     fault: FaultRows = []
     requirement: RequirementRows

@@ -109,6 +109,7 @@ def read_train_scenario(layers: Layers, faults_of: Callable[[], tuple[str, ...]]
         faults=faults,
         draws=tuple(file.draws),
         noise=tuple(file.noise),
+        noise_from=file.noise_from,
     )
     check.check_vector(scenario, refuse)
     check.check_run(scenario, target, refuse)
