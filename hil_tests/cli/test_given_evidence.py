@@ -32,6 +32,7 @@ def steady(reading):
         pathlib.Path(__file__).{change}
     return 3.6 * (reading.set_point_mps - reading.speed_mps)
 """
+_WRITTEN, _REMOVED, _LOCAL = "write_text('steady = 0')", "unlink()", ("--bus", "local")
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +48,12 @@ def run(folder: Path, file: Path, out: Path, *options: str | Path) -> Any:
     return command(*words, *options)
 
 
-@pytest.mark.parametrize("bus", [("--bus", "local"), ()])
-@pytest.mark.parametrize("change", ["write_text('steady = 0')", "unlink()"])
+@pytest.mark.long_after(2)
+@pytest.mark.parametrize(
+    ("change", "bus"),
+    [(_WRITTEN, _LOCAL), (_REMOVED, ()), (_WRITTEN, ()), (_REMOVED, _LOCAL)],
+    ids=["written-local", "removed-bus", "written-bus", "removed-local"],
+)
 def test_a_file_that_is_saved_or_removed_in_the_run_is_recorded_as_it_was(
     folder: Path, tmp_path: Path, change: str, bus: tuple[str, ...]
 ) -> None:

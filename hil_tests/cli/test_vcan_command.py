@@ -113,6 +113,7 @@ def test_the_user_mode_kernel_is_not_tried_on_a_processor_with_tiles(flags, able
 
 @pytest.mark.slow
 @pytest.mark.timeout(240)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_nothing_of_a_machine_outlives_the_command(tmp_path, number):
     try:

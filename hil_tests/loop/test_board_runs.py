@@ -160,7 +160,7 @@ def test_a_run_over_a_bus_has_the_same_bytes(
     assert found == read_target(tmp_path / "local")
 
 
-@pytest.mark.long_after(2)
+@pytest.mark.long_after(1)
 @pytest.mark.parametrize(
     ("file", "old", "new", "words"),
     [

@@ -34,7 +34,7 @@ needs_fork = pytest.mark.skipif(sys.platform != "linux", reason="MISSING CAPABIL
 #: Limits that 2 m in 4 s keep.
 _WIDE = ("plan.stop_error_max_m=1", "plan.time_error_max_s=1")
 #: Branches of each trunk in make test, and of each trunk and seed in make test-long.
-_QUICK, _LONG = {"ato": 8, "ato_safe": 6, "stop": 2, "hst1": 2, "emu3": 1, "line": 1}, 10
+_QUICK, _LONG = {"ato": 4, "ato_safe": 3, "stop": 2, "hst1": 2, "emu3": 1, "line": 1}, 10
 
 
 @pytest.fixture
