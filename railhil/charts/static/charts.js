@@ -322,6 +322,8 @@ const railhilCharts = (() => {
         markers: {
           show: !asTrack,
           width: 2,
+          // The colours of the scheme would be those of the beginning.
+          fill: "transparent",
           stroke: (plot, index) => index ? `var(--rc-${plot.series[index].rcColour})` : "transparent",
           dash: (plot, index) => plot.series[index].dash ? "dashed" : "solid",
         },
@@ -377,9 +379,9 @@ const railhilCharts = (() => {
       setData(values) {
         plot.batch(() => {
           plot.setData(values.map(withGaps), !chart.zoomed);
-          if (chart.zoomed) plot.redraw();
+          // With all of the data uPlot does the legend itself.
+          if (chart.zoomed) { plot.redraw(); rest(chart); }
         });
-        rest(chart);
       },
       setMarkers(markers) { chart.markers = markers; redraw(chart); },
       setPlaces(places, draws = true) {
