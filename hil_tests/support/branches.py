@@ -23,14 +23,15 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 _DATA = Path(__file__).parents[1] / "data"
 #: Scenario file of the system ato -> its content.
 SHORT = {"short.toml": RUN_72M_TOML}
+_FOR_40_S = ("task.duration_s=40", "task.rmse_max_kmh=9")
 #: Name -> scenario, settings, law, duration in s.
 TRUNKS: Mapping[str, tuple[str, tuple[str, ...], str, float]] = {
     "ato": ("short.toml", (), "ipfc_plus", 24.0),
     "ato_safe": ("short.toml", ("safety.sdt=true",), "ipfc", 24.0),
     "stop": ("yizhuang_stop_closed", (), "", 40.0),
-    "hst1": ("hst", (), "", 110.0),
-    "emu3": ("emu3", (), "", 110.0),
-    "line": (str(_DATA / "short_line.toml"), (), "", 125.0),
+    "hst1": ("hst_short", _FOR_40_S, "", 38.0),
+    "emu3": ("emu3_short", _FOR_40_S, "", 38.0),
+    "line": (str(_DATA / "tiny_line.toml"), (), "", 36.0),
 }
 
 
