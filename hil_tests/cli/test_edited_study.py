@@ -19,12 +19,12 @@ _STOP = ("yizhuang_stop", "--controller", "ilc_stop", "--set", "task.duration_s=
 #: Kind of folder -> the command that makes it.
 COMMANDS = {
     "campaign": ("campaign", "short.toml", "--runs", "2"),
-    "compare": ("compare", "short.toml", "--laws", "ipfc,pid"),
+    "compare": ("compare", "short.toml", "--laws", "ipfc,tpfc1"),
     "faults": ("faults", "short.toml", "--only", "T1b", "--jobs", "1"),
     "hunt": ("hunt", "short.toml", "--requirements", "mine.toml", "--runs", "1", "--seed", "3", "--no-shrink"),
     "learn": ("learn", *_STOP, "--sequences", "1", "--jobs", "1"),
     "probability": (
-        "probability", "short.toml", "--says", "at stopped stop_error <= 0.5 m", "--points", "100", "--accuracy", "50",
+        "probability", "short.toml", "--says", "at stopped stop_error <= 0.5 m", "--points", "100", "--accuracy", "10",
         "--method", "subset", "--jobs", "1",
     ),
     "sequence": ("sequence", "run", *_STOP, "--bus", "local"),

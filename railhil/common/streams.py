@@ -29,6 +29,11 @@ def escape_controls(text: str) -> str:
     return text if text.isprintable() else _UNSAFE.sub(_written_out, text)
 
 
+def one_line(text: str) -> str:
+    """The text in one line, without the control characters that XML cannot represent."""
+    return escape_controls(" ".join(text.split()))
+
+
 def _written_out(found: re.Match[str]) -> str:
     code = ord(found[0])
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

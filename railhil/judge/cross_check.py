@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.common.errors import InputError, Words, short_repr
+from railhil.common.streams import one_line
 from railhil.common.user_files import refuse_unreadable
 from railhil.dbc import PORTS, recorded_contract
 from railhil.judge.fault_report import logged_outcomes
@@ -103,9 +104,9 @@ def _junit(folder: Path, document: Mapping[str, Any]) -> Iterator[tuple[str, str
     _check_requirements(path, tree.getroot(), read_score(folder) or {})
     for key in _OF_JUNIT:
         if key in properties and key in document:
-            yield JUNIT, key, properties[key], str(document[key])
+            yield JUNIT, key, properties[key], one_line(str(document[key]))
     label, controller = properties.get("controller"), document.get("controller")
-    if label is not None and controller is not None and not label.startswith(str(controller)):
+    if label is not None and controller is not None and not label.startswith(one_line(str(controller))):
         yield JUNIT, "controller", label, controller
 
 
@@ -131,7 +132,7 @@ def _check_requirements(path: Path, suite: ET.Element, score: Mapping[str, Any])
     """
     cases = {one.get("name", ""): one.find("failure") is not None for one in suite.iter("testcase")}
     found = {name: failed for name, failed in cases.items() if name.startswith(_CASE)}
-    wanted = {f"{_CASE}{one['id']}": one["verdict"] == _VIOLATED for one in score.get(REQUIREMENTS, ())}
+    wanted = {one_line(f"{_CASE}{one['id']}"): one["verdict"] == _VIOLATED for one in score.get(REQUIREMENTS, ())}
     if found != wanted and next(suite.iter("error"), None) is None:
         said, allowed = (
             ", ".join(f"{name}{' failed' * failed}" for name, failed in one.items()) or "none"

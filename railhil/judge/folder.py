@@ -16,7 +16,7 @@ from railhil.bus.ident import PROFILES
 from railhil.common.build import machine
 from railhil.common.errors import describe_os_error
 from railhil.common.held_code import place_of
-from railhil.common.streams import escape_controls
+from railhil.common.streams import one_line
 from railhil.common.user_files import RecordFailed, whole_file, write_synced
 from railhil.common.version import full_version
 from railhil.judge.criteria import limited
@@ -223,7 +223,7 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
         cases += [(f"requirement {one.id}", one.line if one.violated else "") for one in found.requirements]
     suite = ET.Element(
         "testsuite",
-        name=_xml(f"{scenario.name}.{result.reported.get('controller', spec.law.controller)}"),
+        name=one_line(f"{scenario.name}.{result.reported.get('controller', spec.law.controller)}"),
         tests=str(1 + len(cases)),
         failures=str(sum(bool(text) for _, text in cases)),
         errors=str(int(not result.trusted)),
@@ -242,22 +242,17 @@ def junit(result: Result) -> ET.ElementTree[ET.Element]:
         *((kind, said) for kind in (REFUSED, LOST, MISSED_POLL) if (said := counts_said(result.events, kind))),
         *((FAULT, event.detail) for event in result.events if event.kind == FAULT),
     ):
-        ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
-    classname = _xml(f"railhil.{scenario.name}")
+        ET.SubElement(properties, "property", name=name, value=one_line(str(value)))
+    classname = one_line(f"railhil.{scenario.name}")
     bench = ET.SubElement(suite, "testcase", classname=classname, name="bench_valid", time=suite.attrib["time"])
     reason = why(scenario, result.events)
     if not result.trusted:
-        ET.SubElement(bench, "error", message=_xml(explained(result.line, reason)))
+        ET.SubElement(bench, "error", message=one_line(explained(result.line, reason)))
     for name, text in cases:
-        case = ET.SubElement(suite, "testcase", classname=classname, name=_xml(name), time="0.000")
+        case = ET.SubElement(suite, "testcase", classname=classname, name=one_line(name), time="0.000")
         if text:
-            ET.SubElement(case, "failure", message=_xml(explained(text, reason)))
+            ET.SubElement(case, "failure", message=one_line(explained(text, reason)))
     return ET.ElementTree(suite)
-
-
-def _xml(text: str) -> str:
-    """Text without the control characters that XML cannot represent."""
-    return escape_controls(" ".join(text.split()))
 
 
 def write_folder(result: Result) -> None:
