@@ -5,7 +5,7 @@ the largest force of the side at the present speed.
 
 The emergency brake is a path of its own, as on a train whose brake pipe or loop does not pass through the service
 brake's electronics: at EMERGENCY these faults of the brake do not act, and the main breaker opens, which ends traction
-whatever the drive does. An open main breaker, a lowered pantograph, or no line voltage ends it as well.
+whatever the drive does. Every interlock that blocks traction ends it as well: it opens the contactors.
 """
 
 from __future__ import annotations

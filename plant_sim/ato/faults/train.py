@@ -18,7 +18,6 @@ from railhil.plant_sim.ato.faults.forces import Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.ato.faults.mismatch import Mismatch
 from railhil.plant_sim.ato.forces import TrainConstants
 from railhil.plant_sim.ato.plant import EventKind
-from railhil.plant_sim.ato.plant_readings import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.ato.train import TrainOnBus
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import BaliseReport, FaultyReader, FaultySensor, quantity_of
@@ -149,7 +148,7 @@ class FaultyTrain(TrainOnBus):
     def _protect(self) -> None:
         """The forces that watch and interlocks allow, changed by the faults."""
         super()._protect()
-        demand = Demand(self._acting_code, self._motion.speed_mps, self._powered, self.is_emergency)
+        demand = Demand(self._acting_code, self._motion.speed_mps, self.status.traction_enabled, self.is_emergency)
         self._constants, self._window, self._extra_n = self._forces.allowed(
             self._healthy_constants, self._window, demand
         )
@@ -163,16 +162,6 @@ class FaultyTrain(TrainOnBus):
     def _healthy_constants(self) -> TrainConstants:
         """The constants of this tick without faults of traction, brake and adhesion."""
         return self._base
-
-    @property
-    def _powered(self) -> bool:
-        status = self.status
-        return (
-            status.power_on
-            and status.pantograph_up
-            and status.main_breaker_closed
-            and status.line_voltage_percent >= LINE_VOLTAGE_MIN_PERCENT
-        )
 
     def _move(self, from_tick: float, ticks: float) -> None:
         """Simulate a tick or a part of it with the force per notch and the pole of the acting side."""

@@ -1,4 +1,4 @@
-"""The train with faults, part by part: at its start, in a tick, its readings, when its drive is powered, and what is an
+"""The train with faults, part by part: at its start, in a tick, its readings, what ends its drive, and what is an
 event for a fault that waits."""
 
 from __future__ import annotations
@@ -21,20 +21,21 @@ from railhil.systems.ato.scenario.perturb import perturb
 from railhil.wire.ato import BalisePassed, CtlMode, NotchCmd, NotchSdt, TrnWatch, WatchCause
 
 
-@pytest.mark.parametrize("field", ["power_on", "pantograph_up", "main_breaker_closed"])
-def test_a_drive_is_powered_when_nothing_is_open(field: str) -> None:
-    plant = faulty()
-    assert plant._powered
-    setattr(plant.status, field, False)
-    assert not plant._powered
-
-
-def test_a_drive_is_powered_at_the_lowest_voltage() -> None:
-    plant = faulty()
+@pytest.mark.parametrize(
+    ("field", "low"),
+    [
+        *[(name, False) for name in ("power_on", "pantograph_up", "main_breaker_closed", "doors_closed_locked")],
+        ("line_voltage_percent", LINE_VOLTAGE_MIN_PERCENT - 0.01),
+    ],
+)
+def test_an_interlock_that_blocks_traction_ends_that_of_a_drive_that_does_not_obey(field: str, low: object) -> None:
+    plant = faulty(fault("actuator.traction", "full"))
     plant.status.line_voltage_percent = LINE_VOLTAGE_MIN_PERCENT
-    assert plant._powered
-    plant.status.line_voltage_percent = LINE_VOLTAGE_MIN_PERCENT - 0.01
-    assert not plant._powered
+    commanded(plant, 256, 4)
+    assert plant.traction_n > 0.0
+    setattr(plant.status, field, low)
+    commanded(plant, 256, 2)
+    assert plant.traction_n == 0.0
 
 
 @pytest.mark.parametrize("mode", [one for one in CtlMode if one is not CtlMode.INITIALISING])

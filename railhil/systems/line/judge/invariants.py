@@ -79,8 +79,8 @@ def _numbered(rule: int, said: str) -> str:
 
 
 def _traction_with_open_door(run: LineRun) -> Iterator[str]:
-    """Only doors that stay unlocked for longer than :data:`NOTICE_S` count: the traction falls in the tick after, and
-    telegrams follow."""
+    """Only doors that stay unlocked for longer than :data:`NOTICE_S` count, and up to the telegram after: the traction
+    follows a lock in the next tick, and telegrams later."""
     trace, motion = run.trace, run.motion
     time_s = trace.times_s(DoorStat.PORT)
     if not len(time_s):
@@ -91,9 +91,8 @@ def _traction_with_open_door(run: LineRun) -> Iterator[str]:
     newest = np.maximum(np.searchsorted(time_s, motion.time_s, side="right") - 1, 0)
     earlier = np.maximum(np.searchsorted(time_s, motion.time_s - NOTICE_S, side="right") - 1, 0)
     known = motion.time_s - time_s[newest] < NOTICE_S
-    wrong = np.flatnonzero(
-        known & unlocked[newest] & unlocked[earlier] & (newest > earlier) & (motion.traction_n > _FORCE_MIN_N)
-    )
+    unlocked_there = unlocked[newest] & unlocked[earlier] & unlocked[np.minimum(newest + 1, len(time_s) - 1)]
+    wrong = np.flatnonzero(known & unlocked_there & (newest > earlier) & (motion.traction_n > _FORCE_MIN_N))
     if len(wrong):
         first = int(wrong[0])
         yield (
