@@ -123,5 +123,7 @@ def test_the_page_of_two_runs_has_an_address_with_their_values(here: Railhil, tm
             async with foreign:
                 pytest.fail("a foreign page was let in")
         assert (await _get(panel, "/panel/open?run=0&run=1"))[1] == address
+        signals = json.loads((await _get(panel, "/signals?run=0"))[3])
+        assert signals["columns"]["true_speed_mps"][:3] == ["true speed", "km/h", 3.6]
 
     _visit(tmp_path / "runs", visit)
