@@ -61,7 +61,7 @@ class Decision:
         many, kind = self.runs, "continuations with new noise"
         open_places = [place for place, failed in enumerate(self.failed) if failed < many]
         if not open_places:
-            return f"{many} of {many} {kind} from the start fail: the noise does not decide it"
+            return f"{many} of {many} {kind} from the start fail"
         decided = open_places[-1] + 1
         if decided == len(self.failed):
             return f"not decided at {self.at_s[-1]:g} s: {self.failed[-1]} of {many} {kind} from there fail"
@@ -84,8 +84,8 @@ def decision_figure(found: Decision, name: str) -> Figure:
         for at_s, failed in zip(found.at_s, found.failed, strict=True)
     ]
     curve = Curve("fail", np.array(found.at_s), np.array(found.failed, dtype=np.float64), Look("0"))
-    chart = Chart([curve], TIME, f"of {found.runs} continuations with new noise fail", y_bounds=(0.0, found.runs),
-                  points=points)  # fmt: skip
+    title, bounds = f"of {found.runs} continuations with new noise fail", (-0.04 * found.runs, 1.06 * found.runs)
+    chart = Chart([curve], TIME, title, y_bounds=bounds, points=points)
     caption = "Each point is the same run with other noise from that instant on; only the points were computed."
     return Figure(
         name, "What the noise decides", f"{found.sentence[0].upper()}{found.sentence[1:]}. {caption}", [chart]

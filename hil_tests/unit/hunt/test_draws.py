@@ -151,4 +151,10 @@ def test_real_draws_found_by_descent_are_repeated_by_their_file(tmp_path: Path) 
     assert done.exit_code == 1, done.err
     assert "draws of length " in done.out
     assert "NOT REPEATED" not in done.out
+    # The sentence needs the record: branches count.
+    assert "continuations with new noise from" in done.out
+    (found,) = json.loads((tmp_path / "hunt/found.json").read_text())
+    assert found["no_return"] is None
+    assert found["decided"]["runs"] == 64
+    assert '<figure id="FAR-1-decision">' in (tmp_path / "hunt/report.html").read_text()
     assert railhil("hunt", "--verify", tmp_path / "hunt", "--runs", "2").exit_code == 0
