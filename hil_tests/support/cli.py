@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import subprocess
@@ -93,6 +94,8 @@ class Started:
 
     def __init__(self, *arguments: str | Path) -> None:
         self.process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # A test that fails before the command has ended leaves it running: it would go on beside all others.
+        atexit.register(self.process.kill)
 
     def child(self, role: str) -> psutil.Process:
         """The process of a node; waits until it exists."""
