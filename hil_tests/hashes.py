@@ -1,27 +1,40 @@
 """SHA-256 of the frame logs of every law in every arithmetic, of every fault of the catalogues and of every shipped
-scenario, to compare builds, Pythons, processors and versions: ``hil_tests/data/frames_sha256.txt`` has all lines.
+scenario, and of what hunts find, to compare builds, Pythons, processors and versions:
+``hil_tests/data/frames_sha256.txt`` has all lines.
 
-``python hil_tests/hashes.py [--law LAW] [--arithmetic A] [--sample N --day DAY] [GROUP ...]`` needs only an installed
-railhil and prints one line for each run: its name and the SHA-256, or ``refused`` where a law has no such arithmetic,
-or a fault needs more than one process. A group is a system (its laws), ``faults`` or ``shipped``. All runs are made in
-this process (``--bus local``). With ``--sample N`` it makes every N-th run only, those of the day (:func:`choose`).
+``python hil_tests/hashes.py [--law LAW] [--arithmetic A] [--one-process] [--sample N --day DAY] [GROUP ...]`` needs
+only an installed railhil (a hunt pyarrow, too) and prints one line for each run: its name and the SHA-256, or
+``refused`` where a law has no such arithmetic, or a fault needs more than one process. A group is a system (its laws),
+``faults``, ``shipped`` or ``hunts``. All runs are made in this process (``--bus local``), but for branches of least
+cases. With ``--sample N`` it makes every N-th run only, those of the day (:func:`choose`).
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, Protocol
 
 import railhil
 from railhil.controller_node import arithmetic as arithmetics
 from railhil.judge.reactions.catalogue import catalogue_of
 from railhil.scenarios.load import names
 from railhil.scenarios.system import system_named
+
+_DATA = Path(__file__).parent / "data"
+
+
+class Line(Protocol):
+    """What has a line of the list."""
+
+    def sha256(self) -> str:
+        """Its SHA-256, or ``refused``."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +61,27 @@ class Run:
             return outcome.frames_sha256
 
 
+@dataclass(frozen=True)
+class Hunt:
+    """A short hunt in a scenario file of ``hil_tests/data``, with the usual law, and what else is asked for.
+
+    ``shrinks``: its cases are shrunk; the branches of their runs are processes of their own.
+    """
+
+    scenario: str
+    asked: Mapping[str, Any]
+    shrinks: bool = True
+
+    def sha256(self) -> str:
+        """SHA-256 of ``cases.jsonl`` and of the files of ``found/``, one after the other."""
+        with tempfile.TemporaryDirectory() as folder:
+            # A found file names its scenario by the way from its folder to it.
+            scenario = shutil.copy(_DATA / self.scenario, folder)
+            made = railhil.hunt(scenario, out=Path(folder) / "hunt", shrink=self.shrinks, **self.asked).folder
+            files = [made / "cases.jsonl", *sorted((made / "found").glob("*.toml"))]
+            return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
 #: Perturbed runs of every law of a system in every arithmetic.
 PERTURBED = (
     ("ato", Run("yizhuang_05", 7)),
@@ -72,6 +106,14 @@ _FAULTY = {
 }
 #: Named as a group: every scenario as it is shipped.
 SHIPPED = "shipped"
+#: Named as a group: margins of sentences; a least case.
+HUNTS = "hunts"
+_HUNTS = {
+    "pairs": Hunt(
+        "pairs.toml", {"requirements": _DATA / "hunted_margins.toml", "runs": 4, "strategy": "swarm"}, shrinks=False
+    ),
+    "faults": Hunt("hunted.toml", {"only": "CUT", "runs": 2, "seed": 3}),
+}
 
 
 def choose(names: Sequence[str], share: int, day: str) -> set[str]:
@@ -85,10 +127,15 @@ def choose(names: Sequence[str], share: int, day: str) -> set[str]:
     return set(ranked[: -(-len(ranked) // share)])
 
 
-def runs(groups: Sequence[str], law_only: str | None = None, arithmetic_only: str | None = None) -> dict[str, Run]:
+def runs(
+    groups: Sequence[str], law_only: str | None = None, arithmetic_only: str | None = None, one_process: bool = False
+) -> dict[str, Line]:
     """Each run by its name; of these groups, this law and this arithmetic only, if any are named. Entries of a
-    catalogue and shipped scenarios have the law and the arithmetic of their own."""
-    made: dict[str, Run] = {}
+    catalogue and shipped scenarios have the law and the arithmetic of their own, hunts the usual ones.
+
+    :param one_process: without what starts further processes.
+    """
+    made: dict[str, Line] = {}
     for system, run in PERTURBED:
         if not groups or system in groups:
             laws = system_named(system).law_names()
@@ -105,19 +152,26 @@ def runs(groups: Sequence[str], law_only: str | None = None, arithmetic_only: st
                     made[f"{FAULTS} {run.scenario} {entry.id}"] = replace(run, law=law, faults=entry.faults)
     if every or SHIPPED in groups:
         made |= {f"{SHIPPED} {scenario}": Run(scenario) for scenario in names()}
+    usual = system_named("ato")
+    has_usual = law_only in (None, usual.law) and arithmetic_only in (None, usual.arithmetic)
+    if HUNTS in groups or (not groups and has_usual):
+        made |= {f"{HUNTS} {name}": hunt for name, hunt in _HUNTS.items() if not (one_process and hunt.shrinks)}
     return made
 
 
 def main() -> int:
     """Print the lines."""
     parser = argparse.ArgumentParser(prog="python hil_tests/hashes.py", description=__doc__.splitlines()[0])
-    parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"only these systems, {FAULTS} or {SHIPPED}")
+    parser.add_argument(
+        "groups", nargs="*", metavar="GROUP", help=f"only these systems, {FAULTS}, {SHIPPED} or {HUNTS}"
+    )
     parser.add_argument("--law", help="only the runs of this law")
     parser.add_argument("--arithmetic", choices=arithmetics.names(), help="only the runs in this arithmetic")
     parser.add_argument("--sample", type=int, default=1, metavar="N", help="one run of N only, chosen by the day")
+    parser.add_argument("--one-process", action="store_true", help="only what needs no other process")
     parser.add_argument("--day", default="", metavar="YYYY-MM-DD", help="the day of the sample")
     options = parser.parse_args()
-    made = runs(options.groups, options.law, options.arithmetic)
+    made = runs(options.groups, options.law, options.arithmetic, options.one_process)
     chosen = choose(list(made), options.sample, options.day)
     for name, run in made.items():
         if name in chosen:

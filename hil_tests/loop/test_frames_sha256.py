@@ -1,4 +1,4 @@
-"""Every law, fault and shipped scenario leaves the frame log of the list, to the byte.
+"""Every law, fault and shipped scenario leaves the frame log of the list, and every hunt what it found, to the byte.
 
 After a change that is meant to alter frame logs: ``python hil_tests/hashes.py > hil_tests/data/frames_sha256.txt``,
 and the CHANGELOG says which and why.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from hil_tests.hashes import FAULTS, runs
+from hil_tests.hashes import FAULTS, HUNTS, runs
 from hil_tests.support.same_lines import known_hashes
 from railhil.faults.capability import why_not
 from railhil.faults.language import parse
@@ -27,6 +27,10 @@ _OF_SEVERAL_UNITS = ("faults hst_short H3b", "faults hst_short H9b")
 
 def test_the_list_has_every_run_once() -> None:
     assert list(known_hashes()) == list(runs([]))
+
+
+def test_hunts_that_start_other_processes_are_left_out_where_these_cannot_be() -> None:
+    assert runs([HUNTS]).keys() - runs([HUNTS], one_process=True).keys() == {"hunts faults"}
 
 
 def test_a_fault_is_refused_only_where_it_cannot_be_injected() -> None:
