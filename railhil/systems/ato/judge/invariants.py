@@ -94,7 +94,7 @@ def broken(scenario: Scenario, trace: Trace, limits_mps: FloatArray | None = Non
     if not _is_out_of_step(scenario):
         found += _left_early_by_controller(trace, items, unseen)
     if has_watch and trace.count(TrnWatch.PORT):
-        found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace, limits_mps)]
+        found += [*_applied_traction(scenario, trace, items), *_overspeed(scenario, trace, limits_mps)]
         found += _left_early_by_train(trace, items, unseen)
     elif has_watch and trace.count(PltIdent.PORT):
         # A run without a bus has none of these telegrams.
@@ -176,12 +176,14 @@ def _commanded_traction(trace: Trace) -> Iterator[str]:
         )
 
 
-def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
+def _applied_traction(scenario: Scenario, trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     if _has_fault(scenario, "train", "adhesion"):
         # Spinning wheels push the train until they have slowed down, even without drive.
         if _is_forged(scenario, TrnPos.PORT):
             return
-        time_s, applied = trace.times_s(TrnPos.PORT), trace.values(TrnPos.PORT, "NotchActual")
+        # A telegram that is sent again tells a notch that was in effect before.
+        taken = _taken(trace, items[TrnPos.PORT])
+        time_s, applied = trace.times_s(TrnPos.PORT)[taken], trace.values(TrnPos.PORT, "NotchActual")[taken]
         least, what = 0.0, "has notch {:.2f} in effect"
     else:
         time_s, applied = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce") / 1e3
@@ -218,9 +220,14 @@ def _overspeed(scenario: Scenario, trace: Trace, limits_mps: FloatArray) -> Iter
 
 def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
     """Number of telegrams that the receiver of ``item`` has taken before each telegram of ``port``."""
+    return np.searchsorted(trace.order(item.port)[_taken(trace, item)], trace.order(port))
+
+
+def _taken(trace: Trace, item: Received) -> BoolArray:
+    """Whether the receiver of ``item`` takes each of its telegrams, shape (n,)."""
     taken = np.ones(trace.count(item.port), dtype=bool)
     taken[[number for number, _ in judged(trace, item)]] = False
-    return np.searchsorted(trace.order(item.port)[taken], trace.order(port))
+    return taken
 
 
 def _left_early(
