@@ -5,7 +5,7 @@
 6. The counters reconcile: each telegram in the record was accepted, refused for a cause, or kept from the node by a
    fault.
 
-The numbers follow the specification of the bench. :mod:`railhil.judge.events.telegrams` decides which telegrams of the
+The numbers follow the specification of the bench. :mod:`railhil.judge.reception` decides which telegrams of the
 record are good. A node may refuse more (a speed that is not plausible), and reports it. A node that does not report is
 not checked (:func:`unchecked`). Where frames can be lost between node and recorder, and for mailboxes read by a task,
 only rule 1 is checked, without the life signs. A telegram that only the recorder has missed is then no breach but a gap
@@ -20,10 +20,9 @@ from typing import Any
 from railhil.bus.codes import ends_run
 from railhil.bus.telegrams import RunEvent
 from railhil.common.digits import count_of
-from railhil.faults import parse_faults
 from railhil.judge.declared import Received
-from railhil.judge.events.telegrams import Stretch, bad_content, judged
 from railhil.judge.judging import judging_of
+from railhil.judge.reception import Stretch, bad_content, is_exact, judged_of, stretches
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import Trace
 from railhil.scenarios.model import AnyScenario
@@ -46,11 +45,9 @@ def unreconciled(scenario: AnyScenario, trace: Trace) -> list[str]:
         return []
     found: dict[str, str] = {}
     items = {item.port: item for item in judging_of(scenario).received(scenario)}
-    # Frames of a node on identifiers that it reads itself: the record has them, the node does not hear them.
-    own_frames = any(fault.what == "masquerade" for fault in parse_faults(scenario.faults))
     unseen = Unseen(scenario, trace)
     for node, counts in told.nodes.items():
-        exact = told.exact and not counts.get("by_task") and not own_frames
+        exact = is_exact(scenario, trace, node)
         for port, own in counts["ports"].items():
             item = items.get(port)
             if exact:
@@ -93,7 +90,7 @@ def _port(
     trace: Trace, node: str, port: str, own: Mapping[str, Any], gaps: list[Mapping[str, Any]], item: Received | None
 ) -> Iterator[str]:
     """The breaches at one port."""
-    heard = _heard(own["committed"], port, gaps)
+    heard = stretches(own["committed"], port, gaps)
     if heard is None or not _is_the_rest(trace, port, heard[-1].after):
         kept = sum(gap["ports"][port]["count"] for gap in gaps if port in gap["ports"])
         yield (
@@ -111,7 +108,7 @@ def _port(
         if accounted > own["committed"]:
             yield f"invariant 6: the {node} received {came} and accounts for {accounted}"
         return
-    causes = [cause for _, cause in judged(trace, item, heard if gaps or not _is_all(trace, port, heard) else None)]
+    causes = [cause for _, cause in judged_of(trace, item, heard if gaps or not _is_all(trace, port, heard) else None)]
     good = own["committed"] - len(causes)
     if own["accepted"] > good:
         yield from _too_many(node, port, own["accepted"] - good)
@@ -127,21 +124,6 @@ def _port(
 
 def _too_many(node: str, port: str, surplus: int) -> Iterator[str]:
     yield f"invariant 1: the {node} took {count_of(surplus, f'{port} telegram')} that the record does not show good"
-
-
-def _heard(committed: int, port: str, gaps: list[Mapping[str, Any]]) -> list[Stretch] | None:
-    """The telegrams of a port that a node has heard; None if they contradict its gaps."""
-    found, begun, anew, left = [], 0, False, committed
-    for gap in gaps:
-        if port not in gap["ports"]:
-            return None
-        first, count = gap["ports"][port]["first"], gap["ports"][port]["count"]
-        left -= first - begun
-        if first < begun or left < 0:
-            return None
-        found.append(Stretch(begun, first, anew))
-        begun, anew = first + count, (anew and first == begun) or gap["restarted"]
-    return [*found, Stretch(begun, begun + left, anew)]
 
 
 def _is_all(trace: Trace, port: str, heard: list[Stretch]) -> bool:

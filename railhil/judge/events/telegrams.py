@@ -1,12 +1,12 @@
 """The events of a record: a pure function of the scenario and the recorded frames.
 
-Most are telegrams that were refused, lost or not sent: receivers would not have taken them from the recorded bus.
+Most are telegrams that were refused, lost or not sent: their receivers did not take them from the recorded bus.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 from railhil.bus.codes import Event
 from railhil.bus.ident import PltIdent
-from railhil.bus.layout import CHECK_CORRECT
-from railhil.bus.lifesign import LifeSign
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import RunEvent
 from railhil.dbc import Port
@@ -33,22 +31,24 @@ from railhil.judge.events.event import (
     in_order,
 )
 from railhil.judge.judging import judging_of
+from railhil.judge.reception import judged
 from railhil.record.trace import Noted, Trace
 from railhil.scenarios.model import AnyScenario
 
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 Times: TypeAlias = npt.NDArray[np.int64]
 #: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
 BURST_NS = 2_000_000_000
-_LIFE_VALUES = 16
 #: Word for no cause.
 _NO_CAUSE = "none"
 
 
-def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
+def refused(scenario: AnyScenario, trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
     """Telegrams refused by the traffic store, and telegrams refused by their receiver for their content."""
-    judged = (noted for item in received for noted in _judged(trace, item))
-    return _bursts(REFUSED, sorted([*trace.refused, *judged]))
+    noted = list(trace.refused)
+    for item in received:
+        times_ns = trace.times_ns(item.port)
+        noted += [Noted(times_ns[index], item.port, cause) for index, cause in judged(scenario, trace, item)]
+    return _bursts(REFUSED, sorted(noted))
 
 
 def missed_polls(trace: Trace) -> Iterator[RecordedEvent]:
@@ -77,65 +77,6 @@ def _bursts(kind: str, found: Iterable[Noted]) -> Iterator[RecordedEvent]:
 def _burst(kind: str, source: str, cause: str, first_ns: int, last_ns: int, count: int) -> RecordedEvent:
     until_s = last_ns / 1e9 if count > 1 else None
     return RecordedEvent(first_ns / 1e9, source, kind, cause, count=count, until_s=until_s)
-
-
-def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
-    """Telegrams of one port that its receiver refuses, by the causes of its counters."""
-    times_ns = trace.times_ns(item.port)
-    for index, cause in judged(trace, item):
-        yield Noted(times_ns[index], item.port, cause)
-
-
-class Stretch(NamedTuple):
-    """Telegrams of a port by their numbers in the record, from ``first`` up to ``after``; ``anew``: the receiver has
-    forgotten earlier ones."""
-
-    first: int
-    after: int
-    anew: bool = False
-
-
-def bad_content(trace: Trace, item: Received) -> tuple[BoolArray, BoolArray]:
-    """Marks the telegrams of a port with a wrong check variable, and with a value out of range; shape (n,)."""
-    check_failed = np.zeros(trace.count(item.port), dtype=bool)
-    for name in item.checks:
-        check_failed |= trace.raw(item.port, name) != CHECK_CORRECT
-    outside = np.zeros_like(check_failed)
-    for name, (lowest, highest) in item.ranges.items():
-        raw = trace.raw(item.port, name)
-        outside |= (raw < lowest) | (raw > highest)
-    return check_failed, outside
-
-
-def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None) -> Iterator[tuple[int, str]]:
-    """The telegrams of one port that its receiver refuses: number in the record, and cause.
-
-    :param heard: the telegrams that the receiver has heard; None: all.
-    """
-    names = [name for name in (item.life, *item.checks, *item.ranges) if name]
-    if not all(trace.has(item.port, name) for name in names):
-        # A record of another version.
-        return
-    check_failed, outside = bad_content(trace, item)
-    signs = trace.raw(item.port, item.life) if item.life else np.zeros(len(outside), dtype=np.int64)
-    steady = not item.life or bool(np.all(np.diff(signs) % _LIFE_VALUES == 1))
-    if steady and not heard and not (check_failed.any() or outside.any()):
-        return
-    life = LifeSign()
-    for stretch in heard if heard is not None else [Stretch(0, len(signs))]:
-        life = LifeSign() if stretch.anew else life
-        for index in range(stretch.first, stretch.after):
-            wrong, beyond = check_failed[index], outside[index]
-            sign = int(signs[index])
-            if item.life:
-                verdict = life.judge(sign)
-                if not verdict.fresh:
-                    yield index, verdict.value
-                    continue
-                if item.follows_bad or not (wrong or beyond):
-                    life.accept(sign)
-            if wrong or beyond:
-                yield index, "check_variable" if wrong else "out_of_range"
 
 
 class Gap(NamedTuple):
@@ -237,7 +178,7 @@ def events_of(scenario: AnyScenario, trace: Trace, beside: Iterable[RecordedEven
         milestones(trace, scenario.installed_system.events),
         lost(trace, schedule),
         missed_polls(trace),
-        refused(trace, judging.received(scenario)),
+        refused(scenario, trace, judging.received(scenario)),
         (event for item in judging.interlocks for event in interlocks(trace, item, end_s)),
         (event for watch in judging.watches for event in watch_events(scenario, trace, watch, end_s)),
     )

@@ -18,7 +18,8 @@ from railhil.bus.codes import Event
 from railhil.bus.lifesign import Life
 from railhil.bus.schedule import Schedule
 from railhil.judge.events.summary import fault_events
-from railhil.judge.events.telegrams import judged, milestones
+from railhil.judge.events.telegrams import milestones
+from railhil.judge.reception import judged, taken
 from railhil.record.trace import FloatArray
 
 if TYPE_CHECKING:
@@ -94,21 +95,23 @@ class Grid:
         """Numbers of the accepted telegrams of a port in the record, their instants in ns, those of the refused ones,
         and those of the refused ones with wrong content, each in order.
 
-        A telegram is accepted unless the traffic store or its receiver refuses it
-        (:func:`railhil.judge.events.telegrams.judged`, which the invariants use, too).
+        A telegram is accepted if its receiver has heard it, and neither the traffic store nor the receiver refuses it
+        (:func:`railhil.judge.reception.taken`, which the invariants use, too).
         """
         found = self._received.get(port)
         if found is None:
             times_ns = np.array(self.trace.times_ns(port), dtype=np.int64)
-            taken, wrong = np.ones(len(times_ns), dtype=bool), np.zeros(len(times_ns), dtype=bool)
+            good = np.ones(len(times_ns), dtype=bool)
+            bad, wrong = np.zeros((2, len(times_ns)), dtype=bool)
             for item in self.record.judging.received(self.scenario):
                 if item.port == port:
-                    causes = dict(judged(self.trace, item))
-                    taken[list(causes)] = False
+                    good &= taken(self.scenario, self.trace, item)
+                    causes = dict(judged(self.scenario, self.trace, item))
+                    bad[list(causes)] = True
                     wrong[[number for number, cause in causes.items() if cause not in _STALE]] = True
             unread = [time_ns for time_ns, source, _ in self.trace.refused if source == port]
-            refused = np.sort(np.concatenate([times_ns[~taken], np.array(unread, dtype=np.int64)]))
-            found = self._received[port] = np.flatnonzero(taken), times_ns[taken], refused, times_ns[wrong]
+            refused = np.sort(np.concatenate([times_ns[bad], np.array(unread, dtype=np.int64)]))
+            found = self._received[port] = np.flatnonzero(good), times_ns[good], refused, times_ns[wrong]
         return found
 
     def _newest(self, port: str) -> tuple[Ticks, Ticks]:

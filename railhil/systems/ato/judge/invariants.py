@@ -26,7 +26,7 @@ from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
 from railhil.judge.declared import Received
-from railhil.judge.events.telegrams import judged
+from railhil.judge.reception import BoolArray, taken
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge.events import received
@@ -49,7 +49,6 @@ _SPEED_SLACK_MPS = 1e-3
 #: Parts of a telegram that carry nothing of its content.
 _OF_THE_FRAME = ("counter", "checksum")
 
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
 
@@ -92,10 +91,11 @@ def broken(scenario: Scenario, trace: Trace, limits_mps: FloatArray | None = Non
     if not _is_forged(scenario):
         found += _commanded_traction(trace)
     if not _is_out_of_step(scenario):
-        found += _left_early_by_controller(trace, items, unseen)
+        heard = taken(scenario, trace, items[TrnSpeed.PORT])
+        found += _left_early_by_controller(trace, heard, unseen)
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace, items), *_overspeed(scenario, trace, limits_mps)]
-        found += _left_early_by_train(trace, items, unseen)
+        found += _left_early_by_train(trace, taken(scenario, trace, items[NotchCmd.PORT]), unseen)
     elif has_watch and trace.count(PltIdent.PORT):
         # A run without a bus has none of these telegrams.
         found.append(f"{UNCLEAR}no TRN_WATCH, so the level of the train's watch is not known")
@@ -182,8 +182,8 @@ def _applied_traction(scenario: Scenario, trace: Trace, items: Mapping[str, Rece
         if _is_forged(scenario, TrnPos.PORT):
             return
         # A telegram that is sent again tells a notch that was in effect before.
-        taken = _taken(trace, items[TrnPos.PORT])
-        time_s, applied = trace.times_s(TrnPos.PORT)[taken], trace.values(TrnPos.PORT, "NotchActual")[taken]
+        good = taken(scenario, trace, items[TrnPos.PORT])
+        time_s, applied = trace.times_s(TrnPos.PORT)[good], trace.values(TrnPos.PORT, "NotchActual")[good]
         least, what = 0.0, "has notch {:.2f} in effect"
     else:
         time_s, applied = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce") / 1e3
@@ -218,16 +218,9 @@ def _overspeed(scenario: Scenario, trace: Trace, limits_mps: FloatArray) -> Iter
         )
 
 
-def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
-    """Number of telegrams that the receiver of ``item`` has taken before each telegram of ``port``."""
-    return np.searchsorted(trace.order(item.port)[_taken(trace, item)], trace.order(port))
-
-
-def _taken(trace: Trace, item: Received) -> BoolArray:
-    """Whether the receiver of ``item`` takes each of its telegrams, shape (n,)."""
-    taken = np.ones(trace.count(item.port), dtype=bool)
-    taken[[number for number, _ in judged(trace, item)]] = False
-    return taken
+def _good_before(trace: Trace, told: str, good: BoolArray, port: str) -> IntArray:
+    """Number of ``good`` telegrams of port ``told`` before each telegram of ``port``."""
+    return np.searchsorted(trace.order(told)[good], trace.order(port))
 
 
 def _left_early(
@@ -295,18 +288,15 @@ class Standing(NamedTuple):
 
 
 def _standing(
-    trace: Trace, port: str, signal: str, times: str, unseen: Unseen, item: Received | None = None
+    trace: Trace, port: str, signal: str, times: str, unseen: Unseen, good: BoolArray | slice = slice(None)
 ) -> Standing:
     """The content of the newest telegram before each telegram of ``times``, if none is missing after it, and the number
     of telegrams that show a standstill before it.
 
-    :param item: declaration of the receiver: only telegrams that it accepts count; None: all.
+    :param good: the telegrams that count.
     """
     time_s = trace.times_s(times)
-    taken = np.ones(trace.count(port), dtype=bool)
-    if item is not None:
-        taken[[number for number, _ in judged(trace, item)]] = False
-    told_s, raw, order = trace.times_s(port)[taken], trace.raw(port, signal)[taken], trace.order(port)[taken]
+    told_s, raw, order = trace.times_s(port)[good], trace.raw(port, signal)[good], trace.order(port)[good]
     past = np.searchsorted(order[raw == 0], trace.order(times))
     if not len(raw):
         nowhere = np.zeros(len(time_s), dtype=bool)
@@ -317,27 +307,32 @@ def _standing(
     return Standing(port, (index >= 0) & (raw[newest] == 0), known, past, past)
 
 
-def _left_early_by_controller(trace: Trace, items: Mapping[str, Received], unseen: _LateUnseen) -> Iterator[str]:
+def _left_early_by_controller(trace: Trace, good: BoolArray, unseen: _LateUnseen) -> Iterator[str]:
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll.
+
+    :param good: the TRN_SPEED that the controller has taken.
 
     An accepted TRN_SPEED tells whether the train stands, also one between two polls; for a controller that hears none,
     the train does not stand.
     """
     time_s = trace.times_s(NotchCmd.PORT)
-    past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
+    past = _good_before(trace, TrnSpeed.PORT, good, NotchCmd.PORT)
     first = np.concatenate([[0], past[:-1]])
-    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", NotchCmd.PORT, unseen, items[TrnSpeed.PORT])
+    standing = _standing(trace, TrnSpeed.PORT, "TrainSpeed", NotchCmd.PORT, unseen, good)
     heard = standing._replace(known=np.ones_like(standing.known), first=np.concatenate([[0], standing.past[:-1]]))
     levels = _controller_levels(trace)
     yield from _left_early("the controller", time_s, levels, first, past, heard, TrnSpeed.PORT, unseen)
 
 
-def _left_early_by_train(trace: Trace, items: Mapping[str, Received], unseen: _LateUnseen) -> Iterator[str]:
-    """The level is reported one tick after it was entered, and commands follow it within the tick."""
+def _left_early_by_train(trace: Trace, good: BoolArray, unseen: _LateUnseen) -> Iterator[str]:
+    """The level is reported one tick after it was entered, and commands follow it within the tick.
+
+    :param good: the NOTCH_CMD that the train has taken.
+    """
     told_s = trace.times_s(TrnWatch.PORT)
     # The order of the record counts: without the port that opens a tick, its report has the instant of the last poll.
-    good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
+    past = _good_before(trace, NotchCmd.PORT, good, TrnWatch.PORT)
     standing = _standing(trace, SimTruth.PORT, "TrueSpeed", TrnWatch.PORT, unseen)
     yield from _left_early(
-        "the train", told_s, _told_levels(trace), good, good, standing, NotchCmd.PORT, unseen
+        "the train", told_s, _told_levels(trace), past, past, standing, NotchCmd.PORT, unseen
     )  # fmt: skip
