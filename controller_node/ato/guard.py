@@ -104,6 +104,7 @@ class Guard:
         #: The safe channel that must confirm every speed; None: the scenario has none.
         self.safe = SafeSpeed(scenario) if scenario.safety.sdt else None
         self._speed_ns = -1
+        self._silence_ns = (self._ladder.hold_ms + 1) * _NS_PER_MS
         self._track = track or TrackInfo(scenario, watched=False)
         self._motion_limits = MotionLimits.of(scenario)
         self._motion = Motion(self._motion_limits)
@@ -191,6 +192,9 @@ class Guard:
                 return
             if speed != last:
                 self._changed_ns = now_ns
+        if now_ns - self._speed_ns >= self._silence_ns:
+            # A silence ends a row of good telegrams, also one between two polls.
+            self._state = self._state._replace(good_run=0)
         self.accepted += 1
         self.speed_01mmps = speed
         self._speed_ns = now_ns

@@ -90,6 +90,8 @@ class PlainGuard:
                 return self.refuse("speed_jump", Reception.IMPLAUSIBLE, now_ns)
         if not self.good or now_ns - self.sample[0] >= 100 * MS:
             self.sample = now_ns, speed
+        if self.good and now_ns - self.good[-1][0] >= 21 * MS:
+            self.state = self.state._replace(good_run=0)
         self.good.append((now_ns, speed))
         return self.look(Reception.GOOD, now_ns)
 
@@ -178,6 +180,17 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     subject.speed(TrnSpeed(0), 0)
     assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000 * MS), False)
     assert subject.level is WatchLevel.SERVICE_BRAKE
+
+
+def sweep_guard_rows(module: ModuleType) -> None:
+    """A silence ends a row of good telegrams, also one that no poll has seen."""
+    for silence_ns in (20 * MS, 21 * MS - 1, 21 * MS, 22 * MS):
+        subject = module.Guard(SCENARIO)
+        for tick in range(8):
+            subject.speed(TrnSpeed(100_000, check=int(tick not in (1, 2, 3)), life=tick), 10 * tick * MS)
+        assert subject.level is WatchLevel.TRACTION_CUT
+        subject.speed(TrnSpeed(100_000, life=8), 70 * MS + silence_ns)
+        assert subject.level is (WatchLevel.NORMAL if silence_ns < 21 * MS else WatchLevel.TRACTION_CUT)
 
 
 def sweep_guard_findings(module: ModuleType) -> None:
@@ -379,5 +392,6 @@ GUARD_SWEEPS = (
     sweep_guard_safe,
     sweep_guard_findings,
     sweep_guard_random,
+    sweep_guard_rows,
     sweep_guard_boundaries,
 )

@@ -255,6 +255,10 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
         counts[RAILHIL_SPEED_JUMP]++;
         refuse(guard, now_ns, IMPLAUSIBLE_TELEGRAM);
     } else {
+        if (now_ns - watch->accepted_ns >= (RAILHIL_HOLD_MS + 1) * NS_PER_MS) {
+            /* A silence ends a row of good telegrams, also one between two polls. */
+            watch->good_run = 0;
+        }
         if (watch->speed_known && speed_01mmps != watch->speed_01mmps) {
             watch->changed_ns = now_ns;
         }
