@@ -90,6 +90,7 @@ def compared(place: Path) -> Compared:
 def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     runs = compared.document["runs"]
     tuned = load_parameters(compared.folder.parent / "tuned.toml").controller
+    assert compared.document["recorded"].keys() == {"utc", "host", "operator"}
     assert [run["label"] for run in runs] == ["ipfc", f"{tuned} tuned", "twin"]
     assert [run["folder"] for run in runs] == ["ipfc", tuned, "twin"]
     assert "twin: the law's own (designed on seeds 0 and 1)" in compared.done.out

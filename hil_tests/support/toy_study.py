@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -15,11 +16,11 @@ import numpy as np
 import pyarrow as pa
 from rich.console import Console
 
+from railhil.record.hash_list import HASH_LIST
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.study.execute import Outcome, execute
 from railhil.study.finished import Verified, differences
-from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Shard, Study
 from railhil.study.table import NotThePart, row
 
@@ -105,7 +106,6 @@ TOY: Study[Plan, Chunk] = Study(
     check_rows=_check_rows,
     work=lambda plan, chunk: ChunkWork(chunk.seeds, plan.request.code),
     summary=lambda plan, table: {"runs": table.num_rows, "sum": float(np.sum(table["square"].to_numpy()))},
-    explained=lambda plan: machine_and_list(),
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
     lines=lambda plan, summary, folder: [f"sum {summary['sum']:g}"],
@@ -141,8 +141,13 @@ def make(
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """All files below a folder by their names."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    """All files below a folder by their names, without the time at which the study was begun and without the hash of
+    the manifest that says it: no two processes begin at the same time."""
+    found = {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    if manifest := found.get(TOY.manifest):
+        found[TOY.manifest] = json.dumps(json.loads(manifest) | {"recorded": None}).encode()
+    listed = found.get(HASH_LIST, b"").splitlines()
+    return found | {HASH_LIST: b"\n".join(line for line in listed if not line.endswith(TOY.manifest.encode()))}
 
 
 if __name__ == "__main__":

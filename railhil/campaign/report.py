@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from railhil.common.digits import count_of, percent
 from railhil.common.errors import InputError
 from railhil.judge.judging import Judging
 from railhil.record.hash_list import REPORT, check_hash_list
+from railhil.report.origin import recorded_sentence
 from railhil.report.study_page import Part, Table, study_page
 from railhil.report.templates import Link, write_html
 from railhil.scenarios.given import RecordedController, is_law_name
@@ -33,15 +35,15 @@ _WORST_NOTE = (
 )
 
 
-def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, railhil: str) -> str:
+def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path, recorded: str) -> str:
     """The report as one HTML document.
 
-    :param railhil: the version that has begun the campaign.
+    :param recorded: when, where, by whom and with which version it was begun, in a sentence.
     :param table: rows of ``results.parquet``.
     :param folder: of the campaign; runs that were made again in it are linked.
     """
     judging = plan.judging
-    lead = f"{headline(summary)}: {judging.asked(plan.scenario)}. Begun with railhil {railhil}."
+    lead = f"{headline(summary)}: {judging.asked(plan.scenario)}. {recorded}"
     worst = [_worst(label, run, folder, judging) for label, law in summary["laws"].items() for run in law["worst"]]
     parts: list[Part] = [
         *failure_sentences(summary),
@@ -106,4 +108,4 @@ def report_of(folder: Path, out: Path) -> None:
     told, sha256 = summary.get("scenario_sha256"), any_judged_sha256(plan.scenario)
     if told != sha256:
         raise InputError(folder, "scenario", str(told), f"{sha256}, as it is now")
-    write_html(page(plan, summary, table, folder, begun.railhil), out)
+    write_html(page(plan, summary, table, folder, recorded_sentence([asdict(begun)])), out)

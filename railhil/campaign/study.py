@@ -23,7 +23,6 @@ from railhil.judge.judging import judging_of
 from railhil.run.make import run_into
 from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
-from railhil.study.manifest import machine_and_list
 from railhil.study.perturbed_runs import run_seeds
 from railhil.study.plan import Study, code_of
 from railhil.study.table import row
@@ -59,7 +58,6 @@ def _explained(plan: Plan) -> Mapping[str, Any]:
     return {
         "parameters": {label: dict(one.values) for label, one in sets.items() if one is not None},
         **({"given_controllers": given} if given else {}),
-        **machine_and_list(),
         "libraries": {name: version(name) for name in _LIBRARIES},
     }
 

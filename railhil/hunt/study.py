@@ -29,7 +29,7 @@ from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
-from railhil.study.manifest import machine_and_list, read_manifest
+from railhil.study.manifest import read_manifest
 from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
@@ -252,7 +252,7 @@ def _page(plan: Plan, made: Outcome, path: Path) -> None:
 
 def _explained(plan: Plan) -> Mapping[str, Any]:
     given = plan.base.law.given
-    return {**({} if given is None else {KEY: given.as_json()}), **machine_and_list()}
+    return {} if given is None else {KEY: given.as_json()}
 
 
 HUNT: Study[Plan, Chunk] = Study(

@@ -98,9 +98,9 @@ def _checked(folder: Path, name: str, document: Document | None, beside: str = "
     return document
 
 
-def _dated(recorded: Document) -> dict[str, Any]:
+def _dated(document: Document) -> dict[str, Any]:
     """When a record was made, as it says itself: it is the same in a copy, whose files may have other dates."""
-    if "utc" not in recorded:
+    if not (recorded := document.get("recorded")):
         return {}
     return {"dated_by": RECORDED, "made": datetime.fromisoformat(recorded["utc"]).astimezone(UTC)}
 
@@ -108,7 +108,7 @@ def _dated(recorded: Document) -> dict[str, Any]:
 def _of_run(folder: Path, found: Found, head: dict[str, Any]) -> Rows:
     certificate = _checked(folder, CERTIFICATE, read_certificate(folder), SCORE)
     score, recorded = read_score(folder) or {}, certificate.get("recorded") or {}
-    head |= _dated(recorded)
+    head |= _dated(certificate)
     run, parameters = score.get("run", {}), certificate.get("parameters")
     law = law_label(certificate, "?")
     common = {
@@ -182,7 +182,7 @@ def _study(folder: Path, found: Found) -> tuple[dict[str, Any], Document]:
     identity = manifest.get(found.kind, {})
     told = {"scenario": identity.get("scenario"), "version": manifest.get("railhil"), "law": identity.get("law")}
     told |= {"system": (manifest.get("scenario") or {}).get("system", DEFAULT), "seed": summary.get("seed")}
-    return told | {"line": "" if summary else "not finished"}, summary
+    return told | _dated(manifest) | {"line": "" if summary else "not finished"}, summary
 
 
 def _of_any(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
@@ -239,7 +239,8 @@ def _of_compare(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     runs = document["runs"]
     line = ", ".join(f"{one['label']} {one['verdict']}" for one in runs)
     told = {"scenario": document.get("scenario"), "seed": document.get("seed"), "line": line}
-    return told | {
+    return told | _dated(document) | {
+        "version": document.get("railhil"),
         "law": ", ".join(one["label"] for one in runs),
         "verdict": _worst(one["verdict"] for one in runs),
     }, {}
@@ -252,7 +253,7 @@ def _of_sequence(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
     told = {"scenario": first.get("scenario"), "law": first.get("controller"), "seed": first.get("seed")}
     line = f"{len(made)} of {count_of(document['runs'], 'run')}"
     told |= {"version": document.get("railhil"), "line": line, "verdict": _worst(one["verdict"] for one in made)}
-    return told, {}
+    return told | _dated(document), {}
 
 
 def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
@@ -266,7 +267,7 @@ def _of_faults(folder: Path, found: Found) -> tuple[dict[str, Any], Rows]:
         said += f"; {count_of(len(pairs), 'random pair')}, {broken} break a rule"
     told = {name: document.get(name) for name in ("scenario", "system")}
     told |= {"law": document.get("controller"), "version": document.get("railhil")}
-    told |= _dated(document.get("recorded") or {})
+    told |= _dated(document)
     told |= {"line": f"{count_of(len(document['rows']), 'entry', 'entries')}, {said}"}
     rows = [
         {"folder": found.folder} | _only(one, REACTION) | {"failures": "; ".join(one.get("failures", []))}

@@ -26,7 +26,6 @@ from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome, execute
 from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
-from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
@@ -276,7 +275,6 @@ PROBABILITY: Study[Plan, Chunk] = Study(
     check_rows=_check_rows,
     work=lambda plan, chunk: ChunkWork(replace(plan), plan.design, chunk.index),
     summary=summary,
-    explained=lambda plan: machine_and_list(),
     items=lambda plan: sum(chunk.runs for chunk in plan.chunks()),
     repeat=_repeat,
     page=_page,

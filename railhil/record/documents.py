@@ -144,7 +144,9 @@ class _FaultPair(_Part):
     failures: list[str]
 
 
-class _Recorded(_Part):
+class Recorded(_Part):
+    """When, on which host and by whom a document was recorded (:func:`railhil.record.run_folder.recorded_by`)."""
+
     utc: str
     host: str
     operator: str
@@ -153,7 +155,7 @@ class _Recorded(_Part):
 class _FaultTable(_MadeBy):
     scenario: str = ""
     seed: int | None = None
-    recorded: _Recorded | None = None
+    recorded: Recorded | None = None
     entries: list[str] = []
     pairs: list[_FaultPair] = []
     rows: list[_FaultRow]
@@ -201,7 +203,7 @@ class _Certificate(_MadeBy):
     command_needs: str | None = None
     dbc_sha256: str | None = None
     hash_list: str | None = None
-    recorded: _Recorded | None = None
+    recorded: Recorded | None = None
     target: Target | None = None
 
 
@@ -319,6 +321,7 @@ class _ComparedRun(_Part):
 class _Comparison(_Part):
     runs: list[_ComparedRun] = Field(min_length=1)
     notes: list[str] = Field(default_factory=list)
+    recorded: Recorded | None = None
     hash_list: str | None = None
 
 

@@ -40,7 +40,7 @@ ROOM_MIN_BYTES = 128 * 1024
 
 
 def recorded_by() -> dict[str, str]:
-    """The entry ``recorded`` of a certificate: instant, host, and who operated it (``RAILHIL_OPERATOR``, else the user;
+    """The entry ``recorded`` of a document: instant, host, and who operated it (``RAILHIL_OPERATOR``, else the user;
     empty: not known)."""
     try:
         operator = os.environ.get("RAILHIL_OPERATOR") or getpass.getuser()

@@ -9,10 +9,11 @@ from typing import Any
 
 from railhil.common.errors import describe_os_error
 from railhil.common.user_files import RecordFailed, whole_file
+from railhil.common.version import full_version
 from railhil.judge.record import Record
 from railhil.record.documents import COMPARISON
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, write_hash_list
-from railhil.record.run_folder import json_text
+from railhil.record.run_folder import json_text, recorded_by
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 
@@ -69,6 +70,8 @@ def write_comparison(
     document = {
         **{key: value for key, value in common.as_json().items() if key not in ("controller", "parameters")},
         "scenario_sha256": scenario.sha256,
+        "railhil": full_version(),
+        "recorded": recorded_by(),
         "notes": list(notes),
         "watch_weakened": scenario.watch_weakened,
         "runs": rows,

@@ -30,6 +30,7 @@ from railhil.judge.cross_check import check_folder
 from railhil.record.documents import CERTIFICATE, read_certificate
 from railhil.record.framelog import log_sha256, sha256_of
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document, enter
+from railhil.record.run_folder import recorded_by
 from railhil.scenarios.memory import (
     MEMORY_AFTER,
     MEMORY_BEFORE,
@@ -108,6 +109,8 @@ class Evidence:
         return {
             "format": _FORMAT,
             "railhil": full_version(),
+            # Of the last entry; the certificate of each run has its own.
+            "recorded": recorded_by(),
             "runs": self.runs,
             "first": self.first.as_json(),
             "made": [one.model_dump() for one in self.made],

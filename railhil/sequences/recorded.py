@@ -16,6 +16,7 @@ from railhil.judge.judging import system_pictures
 from railhil.judge.record import Record, checked_record
 from railhil.record.hash_list import check_hash_list
 from railhil.report.distribution import limits_of
+from railhil.report.origin import recorded_sentence
 from railhil.report.study_page import Table, study_page
 from railhil.report.templates import Link, address_of, write_html
 from railhil.scenarios.parameters import DIGEST_DIGITS
@@ -55,6 +56,7 @@ def report_of(folder: Path, out: Path) -> None:
     ]
     title = f"Sequence on {runs[0].scenario.title}"
     lead = f"{finished} of {law.label} in {law.arithmetic}, each with the memory that the one before has left."
+    lead += f" {recorded_sentence([run.certificate for run in runs])}"
     write_html(study_page(title, lead, parts, counts), out)
 
 

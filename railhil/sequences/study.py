@@ -19,7 +19,6 @@ from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
 from railhil.study.execute import Outcome
 from railhil.study.finished import Verified, differences, finished_rows, finished_summary, repeated_plan
-from railhil.study.manifest import machine_and_list
 from railhil.study.plan import Study, code_of
 from railhil.study.table import row as row_of
 
@@ -72,7 +71,6 @@ LEARN: Study[Plan, Chunk] = Study(
     check_rows=check_rows,
     work=lambda plan, chunk: ChunkWork(chunk, plan.scenario, plan.base),
     summary=summary,
-    explained=lambda plan: machine_and_list(),
     items=lambda plan: len(plan.seeds),
     repeat=_repeat,
     page=_page,

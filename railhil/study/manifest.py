@@ -15,7 +15,9 @@ from railhil.common.build import machine
 from railhil.common.errors import InputError, Words
 from railhil.common.user_files import given_json
 from railhil.common.version import full_version
+from railhil.record.documents import Recorded
 from railhil.record.hash_list import HASH_LIST, HASH_LIST_KEY, check_document
+from railhil.record.run_folder import recorded_by
 from railhil.scenarios.scenario_documents import any_document
 from railhil.scenarios.validation import validate
 from railhil.study.plan import C, P, Study
@@ -28,11 +30,12 @@ _LATER = ("settings",)
 @dataclass(frozen=True, slots=True)
 class Manifest:
     """An existing study: its identity (:attr:`~railhil.study.plan.AnyPlan.identity`), its request, and the version of
-    railhil with which it was begun."""
+    railhil with which it was begun, when, where and by whom (None: of an earlier version)."""
 
     identity: dict[str, Any]
     request: Any
     railhil: str
+    recorded: dict[str, str] | None
 
 
 def _model_of(request: type[Any]) -> type[BaseModel]:
@@ -67,12 +70,13 @@ def read_manifest(folder: Path, study: Study[P, C]) -> Manifest:
         allowed = f"{_FORMAT}, of {study.command} of this railhil"
         raise InputError(path, "format", document.get("format", Words()), allowed)
     fields: dict[str, Any] = {study.kind: (dict[str, Any], ...), "request": (_model_of(study.request), ...)}
-    fields["railhil"] = (str, ...)
+    fields |= {"railhil": (str, ...), "recorded": (Recorded | None, None)}
     # The part that is read back; the rest is information for people.
     model = create_model("_File", __config__=ConfigDict(extra="ignore", strict=True), **fields)
     file = validate(model, document, lambda keys: path)
     check_document(folder, study.manifest, document)
-    return Manifest(getattr(file, study.kind), _request_of(study, file.request), file.railhil)
+    recorded = None if file.recorded is None else file.recorded.model_dump()
+    return Manifest(getattr(file, study.kind), _request_of(study, file.request), file.railhil, recorded)
 
 
 def _request_of(study: Study[P, C], read: BaseModel) -> Any:
@@ -99,12 +103,10 @@ def manifest_of(study: Study[P, C], plan: P) -> dict[str, Any]:
         "request": asdict(plan.request),
         "scenario": any_document(plan.scenario),
         **study.explained(plan),
+        "recorded": recorded_by(),
+        "machine": machine(),
+        HASH_LIST_KEY: HASH_LIST,
     }
-
-
-def machine_and_list() -> dict[str, Any]:
-    """Keys of every manifest: the place where the study was begun, and the list of hashes beside it."""
-    return {"machine": machine(), HASH_LIST_KEY: HASH_LIST}
 
 
 def check_same(study: Study[P, C], folder: Path, recorded: dict[str, Any], ours: dict[str, Any]) -> None:

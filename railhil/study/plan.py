@@ -103,10 +103,10 @@ class Study(Generic[P, C]):
     check_rows: Callable[[pa.Table, P, C], None]
     work: Callable[[P, C], Work]
     summary: Callable[[P, pa.Table], dict[str, Any]]
-    explained: Callable[[P], Mapping[str, Any]]
     items: Callable[[P], int]
     repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
     lines: Callable[[P, Mapping[str, Any], Path], Iterable[str | Text | Table]]
+    explained: Callable[[P], Mapping[str, Any]] = lambda plan: {}
     page: Callable[[P, Outcome, Path], None] | None = None
     finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
     exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS

@@ -88,6 +88,9 @@ def test_manifest_and_summary(finished, short):
     assert (summary["runs"], summary["first_seed"], summary["last_seed"]) == (24, 50, 73)
     assert list(summary["laws"]["ipfc"]["scores"]) == [criterion.key for criterion in CRITERIA]
     assert summary["warnings"] == []
+    # In the manifest: the summary is the same for the same runs, wherever and whenever they are made.
+    assert manifest["recorded"].keys() == {"utc", "host", "operator"}
+    assert "recorded" not in summary
 
 
 @pytest.mark.slow
@@ -258,9 +261,10 @@ def test_a_campaign_without_a_list_has_as_many_rows_as_it_says(finished, tmp_pat
     document = json.loads((copy / "campaign.json").read_text())
     with pytest.raises(InputError, match=r"SHA256SUMS: does not exist"):
         report_of(copy, copy / "report.html")
-    del document["hash_list"]
+    del document["hash_list"], document["recorded"]
     (copy / "campaign.json").write_text(json.dumps(document))
     report_of(copy, copy / "report.html")
+    assert f"Recorded with railhil {document['railhil']}." in (copy / "report.html").read_text(encoding="utf-8")
     document["request"]["runs"] = document["campaign"]["runs"] = 6_000_000
     (copy / "campaign.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match=r"results.parquet: rows: found 24, allowed 6000000"):
@@ -313,6 +317,9 @@ def test_the_report_has_distributions_and_links_runs_made_again(finished, tmp_pa
         report_of(finished, page)
     text = pages[0].read_text(encoding="utf-8")
     assert pages[1].read_text(encoding="utf-8") == text
+    recorded = json.loads((finished / "campaign.json").read_text())["recorded"]
+    day = recorded["utc"][:16].replace("T", " ")
+    assert f"Recorded {day} UTC on {recorded['host']} by {recorded['operator']} with railhil " in text
     summary = json.loads((finished / "summary.json").read_text())
     charts = re.findall(r'aria-label="Distributions of the scores: (.*?);', text)
     assert len(charts) > 1

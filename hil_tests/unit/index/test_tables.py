@@ -277,12 +277,20 @@ def test_a_table_of_faults_that_was_stopped_or_whose_pairs_break_a_rule_is_no_pa
     assert said in found["line"]
 
 
-def test_a_table_of_faults_is_dated_by_what_it_records(tmp_path: Path) -> None:
-    (tmp_path / "faults").mkdir()
+@pytest.mark.parametrize(
+    ("name", "document"),
+    [
+        ("faults.json", {"rows": [_REACTION | {"entry": "S1"}]}),
+        ("compare.json", {"runs": [{"label": "ipfc", "verdict": "PASS", "folder": "ipfc"}]}),
+        ("sequence.json", {"first": {}, "made": [], "runs": 2}),
+        ("campaign.json", {"campaign": {}, "scenario": {}}),
+    ],
+)
+def test_a_document_is_dated_by_what_it_records(tmp_path: Path, name: str, document: dict[str, object]) -> None:
+    (tmp_path / "some").mkdir()
     recorded = {"utc": "2026-11-29T01:02:03Z", "host": "bench", "operator": "me"}
-    document = {"scenario": "s", "rows": [_REACTION | {"entry": "S1"}], "recorded": recorded}
-    (tmp_path / "faults" / "faults.json").write_text(json.dumps(document))
-    found = _rows(tmp_path)["faults"]
+    (tmp_path / "some" / name).write_text(json.dumps({"scenario": "s", "recorded": recorded} | document))
+    found = _rows(tmp_path)["some"]
     assert (found["made"].isoformat(), found["dated_by"]) == ("2026-11-29T01:02:03+00:00", "certificate")
 
 

@@ -69,6 +69,8 @@ def test_a_sequence_is_recorded_verified_and_made_again(
     assert railhil("report", sequence).exit_code == PASS
     page = (sequence / "report.html").read_text(encoding="utf-8")
     assert "3 of 3 runs of learning" in page
+    recorded = json.loads((sequence / "sequence.json").read_text())["recorded"]
+    assert f"UTC on {recorded['host']} by {recorded['operator']} with railhil " in page
     assert '<a href="run002">2</a>' in page
     assert str(sequence) not in page
     assert evidence.sha256 in page
@@ -83,8 +85,9 @@ def test_an_interrupted_sequence_is_gone_on_with(
 ) -> None:
     whole = read_evidence(sequence)
     document = json.loads((sequence / "sequence.json").read_text())
-    # As it is when killed in the third run: its folder is there, but not entered, and the list is not written.
-    del document["hash_list"]
+    # As it is when killed in the third run: its folder is there, but not entered, and the list is not written. An
+    # earlier version did not say who recorded it.
+    del document["hash_list"], document["recorded"]
     (sequence / "sequence.json").write_text(json.dumps(document | {"made": document["made"][:2], "sha256": None}))
     (sequence / "SHA256SUMS").unlink()
     (sequence / "run003" / "certificate.json").unlink()
