@@ -92,7 +92,7 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
 def table_of(
     judging: Judging, scenario: AnyScenario, trace: Trace, notes: Any = None, holds_s: Mapping[str, float] | None = None
 ) -> tuple[list[str], FloatArray]:
-    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 10 times a second.
+    """As :func:`signal_table`, with the scenario's judging: for a panel, which makes this table 5 times a second.
 
     :param holds_s: values of a port that is silent for longer are unknown; None: the last value holds.
     """

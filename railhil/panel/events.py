@@ -120,13 +120,13 @@ class LiveEvents:
     def _find_interlocks(self, trace: Trace) -> list[dict[str, Any]]:
         found = []
         for lamp in self._lamps:
-            times_s = trace.times_s(lamp.port).tolist()
-            for time_s, raw in zip(times_s, trace.raw(lamp.port, lamp.signal).tolist(), strict=True):
+            times_ns = trace.times_ns(lamp.port)
+            for time_ns, raw in zip(times_ns, trace.raw(lamp.port, lamp.signal).tolist(), strict=True):
                 if self._states.get((lamp.port, lamp.signal), lamp.normal) != raw:
                     self._states[lamp.port, lamp.signal] = raw
                     word = trace.word(lamp.port, lamp.signal, raw)
                     text = f"{lamp.label}: {'as usual again' if raw == lamp.normal else word}"
-                    found.append(self.add(time_s, "interlock", lamp.port, text))
+                    found.append(self.add(time_ns / 1e9, "interlock", lamp.port, text))
         return found
 
 

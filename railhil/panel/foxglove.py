@@ -36,10 +36,10 @@ _BACKLOG_MAX_BYTES = 1 << 20
 #: Origins of viewers hosted elsewhere, and names of this machine.
 _VIEWERS = ("https://app.foxglove.dev",)
 _LOOPBACK = re.compile(r"(127\.0\.0\.1|localhost|\[::1\])(:\d+)?")
-#: Rows of the default topics in one look: at 10 looks a second 60 Hz, above which viewers warn.
-ROWS_A_LOOK = 6
+#: Rows of the default topics in one look: at 5 looks a second 60 Hz, above which viewers warn.
+ROWS_A_LOOK = 12
 #: Telegrams of a port on its /full topic in one look; more come only in lockstep.
-_FULL_A_LOOK = 500
+_FULL_A_LOOK = 1000
 _SIGNALS_ID, _FULL_ID = 1, 100
 _ORDER = "/railhil/order"
 _ORDER_SERVICE = 1

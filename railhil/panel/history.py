@@ -38,7 +38,7 @@ class History:
     def add(self, rows: FloatArray) -> None:
         """Append rows in the order of time."""
         number = self._seen + np.arange(len(rows))
-        picked = rows[(number % self.stride == 0) | is_gap(rows, self._position)]
+        picked = rows if self.stride == 1 else rows[(number % self.stride == 0) | is_gap(rows, self._position)]
         self._seen += len(rows)
         for start in range(0, len(picked), HISTORY_ROWS_MAX // 2):
             part = picked[start : start + HISTORY_ROWS_MAX // 2]

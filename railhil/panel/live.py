@@ -33,10 +33,7 @@ if TYPE_CHECKING:
     from railhil.panel.branches import Branches
     from railhil.panel.requirements import LiveRequirements
 
-#: Least wall time between two states (time, counters), and two lists of frames for pages that show them: every second
-#: look.
-STATE_S = 0.15
-#: The same between two lists for pages that have scrolled elsewhere: every tenth look.
+#: Least wall time between two lists of frames for pages that have scrolled elsewhere; the others get it at every look.
 LIST_S = 0.95
 
 
@@ -68,7 +65,7 @@ class LiveRun:
         self.receiver = receiver
         #: Name of this process's runs, for viewers that must tell them apart.
         self.session = f"{os.getpid()}-{time.time_ns()}"
-        self._state_s = self._list_s = self._frames_s = 0.0
+        self._list_s = 0.0
         #: Folder of the run whose record was taken.
         self._ended = ""
         self._show()
@@ -139,10 +136,8 @@ class LiveRun:
         if self._operator is not None:
             messages += [json.dumps({"answer": answer}) for answer in self._operator.look()]
             messages += self._take_end(self._operator)
+        messages.append(json.dumps(self._make_state()))
         now_s = time.monotonic()
-        if now_s - self._state_s >= STATE_S:
-            self._state_s = now_s
-            messages.append(json.dumps(self._make_state()))
         if now_s - self._list_s >= LIST_S:
             self._list_s = now_s
             messages.append(json.dumps(self._make_frame_list()))
@@ -150,10 +145,6 @@ class LiveRun:
 
     def list_frames(self) -> str:
         """See :meth:`railhil.panel.server.PageSource.list_frames`."""
-        now_s = time.monotonic()
-        if now_s - self._frames_s < STATE_S:
-            return ""
-        self._frames_s = now_s
         return json.dumps(self._make_frame_list())
 
     def execute(self, command: dict[str, Any]) -> str:

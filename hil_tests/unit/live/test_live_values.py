@@ -84,7 +84,7 @@ def test_values_are_those_of_signals_csv(recorded: Recorded, tmp_path: Path) -> 
 
 
 def test_the_table_looks_up_the_instants_of_a_port_once(recorded: Recorded, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A panel makes the table 10 times a second; most columns share a port."""
+    """A panel makes the table 5 times a second; most columns share a port."""
     asked: list[str] = []
     times_s = Trace.times_s
     monkeypatch.setattr(Trace, "times_s", lambda trace, port: (asked.append(port), times_s(trace, port))[1])

@@ -15,9 +15,10 @@ from hil_tests.support.panel import Recorded, ScriptedLink
 websockets = pytest.importorskip("websockets", reason="MISSING CAPABILITY websockets")
 
 from railhil.cli.run_identity import RunIdentity  # noqa: E402
-from railhil.panel.foxglove import SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
+from railhil.panel.foxglove import ROWS_A_LOOK, SUBPROTOCOLS, FoxgloveBridge  # noqa: E402
 from railhil.panel.live import LiveRun  # noqa: E402
 from railhil.panel.receiver import Receiver  # noqa: E402
+from railhil.panel.server import RATE_HZ  # noqa: E402
 
 TOKEN = "right"
 
@@ -84,8 +85,8 @@ def test_a_subscriber_gets_the_columns_in_their_units(run, subprotocol):
     fields = advertised[0]["schema"].split()[1::2]
     assert fields[run.layout.speed] == "true_speed_mps"
     messages = [message for message in told["binary"] if message[0] == 1]
-    # At 10 looks a second not more than 60 Hz.
-    assert 2 <= len(messages) <= 36
+    assert ROWS_A_LOOK * RATE_HZ <= 60.0
+    assert 2 <= len(messages) <= 6 * ROWS_A_LOOK
     for message in messages:
         _, subscription, time_ns = struct.unpack_from("<BIQ", message)
         assert subscription == 5

@@ -6,6 +6,7 @@ import asyncio
 import json
 import socket
 import struct
+import time
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
@@ -342,5 +343,30 @@ def test_a_page_with_the_token_of_another_command_is_told_that_it_only_watches()
         async with page(panel) as connection:
             assert (await asked(connection, {"do": "hello", "token": "of the run before"}))["stale"]
             assert "stale" not in await asked(connection, {"do": "fail", "token": TOKEN})
+
+    served(visit)
+
+
+def test_a_page_is_served_between_two_readings_that_take_longer_than_their_period(monkeypatch):
+    """As on a busy machine: without a pause each step of the page's opening would wait for a reading."""
+    monkeypatch.setattr(server_module, "RATE_HZ", 20.0)
+    looks: list[float] = []
+
+    def look() -> list[str | bytes]:
+        time.sleep(0.1)
+        looks.append(time.monotonic())
+        return []
+
+    async def visit(panel: PanelServer, source: ScriptedSource) -> None:
+        source.look = look  # type: ignore[method-assign]
+        is_over: list[bool] = []
+        reading = asyncio.create_task(panel.run(lambda: bool(is_over)))
+        await asyncio.sleep(0.0)
+        before = len(looks)
+        async with page(panel) as connection:
+            await connection.recv()
+            assert len(looks) - before <= 2
+        is_over.append(True)
+        await reading
 
     served(visit)

@@ -185,7 +185,7 @@ class Target:
 
 @lru_cache(maxsize=8)
 def target_of(curve: TargetCurve) -> Target:
-    """The evaluated curve, made once: for a panel, which asks 10 times a second."""
+    """The evaluated curve, made once: for a panel, which asks 5 times a second."""
     return Target(curve)
 
 
