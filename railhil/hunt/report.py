@@ -10,6 +10,7 @@ from typing import Any
 from railhil.batch.decision import Decision, decision_figure
 from railhil.charts.figure import Figure
 from railhil.common.digits import count_of
+from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
 from railhil.hunt.pictures import Side, figures, side
 from railhil.hunt.plan import Plan
@@ -73,6 +74,7 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
     return {
         **one,
         "found": f"in case {one['case']}, {shrunk if one['runs'] else 'not shrunk'}",
+        "drawn": draws_sentence(one.get("draws") or ()),
         "holds": [] if outcome is None else [(part.text, _holds(part)) for part in outcome.parts],
         "title": requirement.title if requirement else "",
         "source": requirement.source if requirement else "",

@@ -78,6 +78,10 @@ def test_the_page_marks_the_part_that_fails_and_says_up_to_when_the_run_can_be_s
     assert '<mark class="fails">train_level &gt;= service_brake</mark>' in text
     assert '<span class="given">age(TRN_SPEED) &gt; 20 ms</span>' in text
     assert "<b>loss</b>" not in text
+    assert "<th>Draws</th>" not in text
+    drawn = {**summary, "found": [{**summary["found"][0], "draws": [0.0, 0.6, 0.8]}]}
+    said = "draws of length 1 (standard deviations), 2 of 3 not 0"
+    assert f"<th>Draws</th><td>{said}</td>" in page(plan, drawn, folder)
     no_return = summary["found"][0]["no_return"]
     said = f"at {no_return['saved_s']:g} s still saves the run, at {no_return['lost_s']:g} s not"
     assert said in text
