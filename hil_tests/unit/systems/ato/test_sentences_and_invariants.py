@@ -104,6 +104,26 @@ def calm(hop: RunSpec) -> tuple[float, Mapping[str, Sent]]:
     return faultless_run(hop)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "faults"),
+    [
+        # Life signs let the train refuse the answers in which the new controller initialises.
+        ("ATO-12b", ("controller stop @5s for 1.19s", "controller restart @7.04s for 150ms")),
+        # The new controller hears the first speed 10 ms after its first answer.
+        ("ATO-6", ("bus down @5s for 1.58s", "controller restart @5.8s for 30ms")),
+    ],
+)
+def test_a_controller_that_was_restarted_knows_nothing_of_the_time_before(
+    name: str, faults: tuple[str, ...], hop: RunSpec, tmp_path: Path
+) -> None:
+    """Hunts found these."""
+    combined = tuple(f"{fault} combine" for fault in faults)
+    result = record_run(replace(hop, faults=combined, out=tmp_path / "run"), keep=False)
+    (outcome,) = (one for one in result.score.requirements if one.id == name)
+    assert (outcome.verdict, outcome.antecedent_met > 0) == ("kept", True)
+
+
 def excused(faults: tuple[str, ...]) -> set[str]:
     """The sentences that may differ from their rules in a run with these faults."""
     names = set()
