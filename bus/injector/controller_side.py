@@ -178,6 +178,7 @@ class FaultyController:
         if self._is_new:
             self._gaps += self._gap(backlog, restarted=True)
             self._is_new = False
+            self.faults.end_process()
             if (told := getattr(self._node, "received", None)) is not None:
                 self._former.append(told)
             self._node = self._make()

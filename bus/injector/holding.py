@@ -64,6 +64,11 @@ class Holding:
         """Whether telegrams are held back."""
         return bool(self._held)
 
+    def end_process(self) -> None:
+        """The process that has made the telegrams has ended: those that it would still have sent itself are gone."""
+        if self._activity.fault.what == "slow":
+            self._held = []
+
     def _acted(self, frames: Telegram, now_ns: int) -> tuple[list[Telegram], str]:
         fault, random = self._activity.fault, self._random
         match fault.what:
@@ -139,3 +144,6 @@ class Silence:
     def waits(self) -> bool:
         """See :attr:`Holding.waits`."""
         return bool(self._held)
+
+    def end_process(self) -> None:
+        """See :meth:`Holding.end_process`: the telegrams wait in the bus, and stay."""

@@ -45,6 +45,9 @@ class _Keeps(Protocol):
     def due(self, now_ns: int) -> list[Telegram]:
         """Telegrams held back that may leave now."""
 
+    def end_process(self) -> None:
+        """Forget what a process that has ended would still have sent."""
+
 
 class PortFaults:
     """The telegrams that leave a source at one port.
@@ -137,6 +140,11 @@ class PortFaults:
             if keep.waits:
                 found += self._kept(keep.due(self._activities.now_ns), index + 1)
         return found
+
+    def end_process(self) -> None:
+        """The node is made anew: answers that it has made and not sent are gone."""
+        for _, keep in self._keeps:
+            keep.end_process()
 
     def _kept(self, telegrams: list[Telegram], first: int) -> list[Telegram]:
         for activity, keep in self._keeps[first:]:
@@ -290,6 +298,11 @@ class NodeFaults:
         for port in self.ports.values():
             for telegram in port.due():
                 yield from telegram
+
+    def end_process(self) -> None:
+        """The node is made anew: a slow one has not sent all of its answers, and they are gone."""
+        for port in self.ports.values():
+            port.end_process()
 
     def write(self) -> None:
         """Write the log."""

@@ -314,6 +314,32 @@ def test_restarted() -> None:
     assert bench.said() == [(20, "running", "ended")]
 
 
+def test_answers_of_a_slow_controller_are_gone_when_it_is_made_anew() -> None:
+    """A hunt found this: a command of before a restart of 6 s was sent after it."""
+    bench = Bench("node.controller slow 30ms @0s", "node.controller restart @20ms for 30ms")
+    bench.tick(0)
+    assert bench.poll() == [NO_NOTCH]
+    assert bench.poll(POLL_STATUS) == [NO_STATUS]
+    bench.tick(6)
+    # Answers of before would be due by now.
+    assert len(bench.nodes) == 2
+    assert bench.poll() == [NO_NOTCH]
+    assert bench.poll(POLL_STATUS) == [NO_STATUS]
+    bench.tick(9)
+    # The first answer of the new one has number 3 there: ticks 5 and 6 came before.
+    assert bench.poll() == answer(NOTCH, 3)
+    assert bench.poll(POLL_STATUS) == answer(STATUS, 4)
+
+
+def test_telegrams_that_a_fault_of_the_bus_delays_outlive_the_controller() -> None:
+    bench = Bench("NOTCH_CMD delay 30ms @0s", "node.controller restart @20ms for 10ms")
+    bench.tick(0)
+    assert bench.poll() == [NO_NOTCH]
+    bench.tick(6)
+    assert len(bench.nodes) == 2
+    assert bench.poll() == answer(NOTCH, 2)
+
+
 def test_restarted_without_a_document() -> None:
     bench = Bench("node.controller restart @0s for 10ms", tells=False)
     bench.tick(1)
