@@ -86,6 +86,14 @@ def taken(scenario: AnyScenario, trace: Trace, item: Received) -> BoolArray:
     return found
 
 
+def shown(scenario: AnyScenario, trace: Trace, item: Received) -> BoolArray:
+    """Whether each telegram of a port shows what its sender is like, shape (n,): its receiver has taken it, or would
+    take it if it had heard all. What a fault keeps from the receiver is no less true."""
+    good = np.ones(trace.count(item.port), dtype=bool)
+    good[[number for number, _ in judged_of(trace, item, None)]] = False
+    return good | taken(scenario, trace, item)
+
+
 def is_exact(scenario: AnyScenario, trace: Trace, node: str) -> bool:
     """Whether the counters that a node reports can be compared with the record one by one."""
     told = trace.reported

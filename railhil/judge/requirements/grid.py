@@ -19,7 +19,7 @@ from railhil.bus.lifesign import Life
 from railhil.bus.schedule import Schedule
 from railhil.judge.events.summary import fault_events
 from railhil.judge.events.telegrams import milestones
-from railhil.judge.reception import judged, taken
+from railhil.judge.reception import judged, shown, taken
 from railhil.record.trace import FloatArray
 
 if TYPE_CHECKING:
@@ -63,13 +63,18 @@ class Grid:
         return -(-round(instant_s * 1e9) // self.tick_ns)
 
     def held(self, port: str, values: FloatArray) -> FloatArray:
-        """Values of a port's telegrams, shape (telegrams,), at each tick: that of the newest accepted one; NaN before
-        the first one."""
+        """Values of a port's telegrams, shape (telegrams,), at each tick: that of the newest one that shows it
+        (:func:`railhil.judge.reception.shown`); NaN before the first one."""
         places = self._places.get(port)
         if places is None:
+            times_ns = np.array(self.trace.times_ns(port), dtype=np.int64)
+            good = np.ones(len(times_ns), dtype=bool)
+            for item in self.record.judging.received(self.scenario):
+                if item.port == port:
+                    good &= shown(self.scenario, self.trace, item)
+            number = np.searchsorted(times_ns[good], self.ticks_ns, side="right")
             # Place -1 is the NaN at the end.
-            accepted = np.concatenate([[-1], self._reception(port)[0]])
-            places = self._places[port] = accepted[self._newest(port)[0]]
+            places = self._places[port] = np.concatenate([[-1], np.flatnonzero(good)])[number]
         return np.append(values, np.nan)[places]
 
     def _told(self, port: str, values: FloatArray) -> FloatArray:

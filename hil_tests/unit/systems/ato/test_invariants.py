@@ -11,12 +11,14 @@ from hil_tests.unit.systems.ato.stories import SCENARIO, Story
 from railhil.bus.ident import PltIdent, Role, make_ident
 from railhil.dbc import wire_contract
 from railhil.judge.events.telegrams import events_of
+from railhil.judge.reception import shown, taken
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.ato.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.scenarios.load import load_any
+from railhil.systems.ato.judge.events import received
 from railhil.systems.ato.judge.invariants import GOOD_NEEDED, broken
 from railhil.systems.ato.judge.score import score
-from railhil.wire.ato import TrnWatch
+from railhil.wire.ato import TrnSpeed, TrnWatch
 
 
 def found(story: Story) -> list[str]:
@@ -46,6 +48,13 @@ def test_telegrams_that_the_controller_could_not_hear_release_no_brake(unheard: 
     )
     broken_rules = [said for said in found(story) if said.startswith("invariant 4")]
     assert bool(broken_rules) is (unheard is not None), broken_rules
+
+
+def test_telegrams_kept_from_the_controller_still_show_the_train() -> None:
+    trace = Story(unheard=(30, 10)).trace()
+    (item,) = (one for one in received(SCENARIO) if one.port == TrnSpeed.PORT)
+    assert set(range(100)) - {*taken(SCENARIO, trace, item).nonzero()[0].tolist()} == set(range(30, 40))
+    assert shown(SCENARIO, trace, item).all()
 
 
 def test_a_quiet_run_breaks_no_rule() -> None:

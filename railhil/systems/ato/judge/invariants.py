@@ -26,7 +26,7 @@ from railhil.common.digits import count_of
 from railhil.faults import parse_faults
 from railhil.judge.counters import unreconciled
 from railhil.judge.declared import Received
-from railhil.judge.reception import BoolArray, taken
+from railhil.judge.reception import BoolArray, shown, taken
 from railhil.judge.record_checks import UNCLEAR, Unseen
 from railhil.record.trace import FloatArray, Trace
 from railhil.systems.ato.judge.events import received
@@ -182,7 +182,7 @@ def _applied_traction(scenario: Scenario, trace: Trace, items: Mapping[str, Rece
         if _is_forged(scenario, TrnPos.PORT):
             return
         # A telegram that is sent again tells a notch that was in effect before.
-        good = taken(scenario, trace, items[TrnPos.PORT])
+        good = shown(scenario, trace, items[TrnPos.PORT])
         time_s, applied = trace.times_s(TrnPos.PORT)[good], trace.values(TrnPos.PORT, "NotchActual")[good]
         least, what = 0.0, "has notch {:.2f} in effect"
     else:
