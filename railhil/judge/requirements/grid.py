@@ -1,7 +1,7 @@
 """The one time of a record's requirements: the base tick.
 
 The grid has every tick from 0 to the last one of the record. A value holds from its telegram's instant until the next
-accepted telegram of its port; before the first one it is not known. A telegram that its receiver refuses has no value.
+telegram of its port that shows one; before the first one it is not known. One that is refused shows none.
 The telegrams of a tick have come when it is looked at.
 """
 
@@ -45,7 +45,7 @@ class Grid:
         #: Values that others keep here, by whatever tells them apart.
         self.kept: dict[object, FloatArray] = {}
         self._places: dict[str, Ticks] = {}
-        self._received: dict[str, tuple[Ticks, Ticks, Ticks, Ticks]] = {}
+        self._received: dict[str, tuple[Ticks, Ticks, Ticks]] = {}
 
     @cached_property
     def ticks_ns(self) -> Ticks:
@@ -96,9 +96,9 @@ class Grid:
             self.kept[port, signal] = found
         return found
 
-    def _reception(self, port: str) -> tuple[Ticks, Ticks, Ticks, Ticks]:
-        """Numbers of the accepted telegrams of a port in the record, their instants in ns, those of the refused ones,
-        and those of the refused ones with wrong content, each in order.
+    def _reception(self, port: str) -> tuple[Ticks, Ticks, Ticks]:
+        """Instants in ns of the accepted telegrams of a port, of the refused ones, and of the refused ones with wrong
+        content, each in order.
 
         A telegram is accepted if its receiver has heard it, and neither the traffic store nor the receiver refuses it
         (:func:`railhil.judge.reception.taken`, which the invariants use, too).
@@ -116,12 +116,12 @@ class Grid:
                     wrong[[number for number, cause in causes.items() if cause not in _STALE]] = True
             unread = [time_ns for time_ns, source, _ in self.trace.refused if source == port]
             refused = np.sort(np.concatenate([times_ns[bad], np.array(unread, dtype=np.int64)]))
-            found = self._received[port] = np.flatnonzero(good), times_ns[good], refused, times_ns[wrong]
+            found = self._received[port] = times_ns[good], refused, times_ns[wrong]
         return found
 
     def _newest(self, port: str) -> tuple[Ticks, Ticks]:
         """Number of accepted telegrams up to each tick, and the instant of the newest one in ns (0: none yet)."""
-        accepted_ns = self._reception(port)[1]
+        accepted_ns = self._reception(port)[0]
         number = np.searchsorted(accepted_ns, self.ticks_ns, side="right")
         return number, np.concatenate([[0], accepted_ns])[number]
 
@@ -133,7 +133,7 @@ class Grid:
         """Number of telegrams of a port that were accepted in a row: after the last one with wrong content, and without
         a silence of more than :data:`ROW_ENDS_PERIODS` periods. As for the watches, a telegram that comes twice or too
         late, or that cannot be read, tells nothing: it ends no row."""
-        _, accepted_ns, _, wrong_ns = self._reception(port)
+        accepted_ns, _, wrong_ns = self._reception(port)
         number, newest_ns = self._newest(port)
         silent_ns = np.iinfo(np.int64).max
         if port in self.schedule.periods_ns:
@@ -149,7 +149,7 @@ class Grid:
 
     def bad(self, port: str) -> FloatArray:
         """Number of telegrams of a port that were refused after its last accepted one."""
-        refused_ns = self._reception(port)[2]
+        refused_ns = self._reception(port)[1]
         number, newest_ns = self._newest(port)
         before = np.searchsorted(refused_ns, newest_ns, side="right") * (number > 0)
         return np.asarray(np.searchsorted(refused_ns, self.ticks_ns, side="right") - before, dtype=np.float64)
