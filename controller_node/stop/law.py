@@ -23,6 +23,13 @@ from railhil.controller_node.stop.stages import Approach, Stages
 from railhil.controller_node.vector.law import Answer, VectorLaw
 from railhil.wire.stop import BrakeLevel
 
+#: A law that begins further than this from the start of the run joins a run under way, m. Chosen: the first readings
+#: are complete within 0.3 s.
+_JOINED_M = 10.0
+#: An estimate that has not settled defers the brake by at most this, s: a train whose estimate never settles must not
+#: pass the platform. Chosen: longer than ``ilc_stop`` needs to settle.
+_LATE_S = 0.5
+
 
 @dataclass(frozen=True)
 class StopParameters:
@@ -56,12 +63,14 @@ class Order(NamedTuple, Generic[T]):
 
 
 class StopState(NamedTuple, Generic[T]):
-    """State of a law; ``own`` is the state of its estimate and of its brake."""
+    """State of a law; ``late``: cycles since the brake should have begun; ``own`` is the state of its estimate and of
+    its brake."""
 
     gap: Gap[T]
     stage: T
     cruise: T
     cruising: T
+    late: T
     accel: T
     braking: T
     learned: Learned[T]
@@ -100,6 +109,11 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         self._approach = Approach(numbers, self.grades, task, given.hold_per_s, self.period_s)
         self._outputs = Outputs(numbers, memory)
         self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
+        self._joined = hold("joined", _JOINED_M, DISTANCE_Q, "law")
+        self._nothing = hold("no_distance", 0.0, DISTANCE_Q, "law")
+        self._late = hold("late", round(_LATE_S / self.period_s), 0, "law")
+        self._count_max = hold("count_max", COUNT_MAX, 0, "law")
+        self._no_accel = hold("no_accel", 0.0, ACCEL_Q, "law")
         self.at_once = hold("at_once", 0.0, TIME_Q, "law")
 
     @property
@@ -112,6 +126,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         return {
             "gap.missed": (0.0, COUNT_MAX),
             "gap.samples": (0.0, COUNT_MAX),
+            "late": (0.0, COUNT_MAX),
             "accel": (-brake.braking_max_mps2, brake.traction_max_mps2),
         }
 
@@ -173,9 +188,11 @@ class StopLaw(VectorLaw[T, StopState[T]]):
             zero,
             self._approach.start(measured.samples[-1]),
             zero,
+            zero,
             self.hold_speed(measured),
-            self.numbers.hold("no_distance", 0.0, DISTANCE_Q, "law"),
-            self.learning.start(measured.load, measured.wet),
+            self._nothing,
+            # A law that joins a run under way, as after a restart of its controller, has lost the readings before.
+            self.learning.start(measured.load, measured.wet)._replace(spoiled=self._joins(measured)),
             self.own_start(measured),
         )
 
@@ -193,9 +210,12 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         offset = state.learned.before.offset
         margin = ar.note("margin_m", ar.sub(ar.sub(left, distance), offset), DISTANCE_Q, "m")
 
+        late = ar.where(ar.gt(self._nothing, margin), ar.minimum(ar.add(state.late, one), self._count_max), zero)
+        refused = ar.where(ar.gt(late, self._late), zero, refused)
         begins = self.begins(estimate, margin)
         done = state.learned.learned
-        stage = self._stages.advance(state.stage, measured, speed, state.cruise, margin, refused, begins, done)
+        arrived = measured.standstill if self.task.start_kmh else ar.minimum(measured.standstill, self._joins(measured))
+        stage = self._stages.advance(state.stage, measured, speed, state.cruise, margin, refused, begins, done, arrived)
 
         warm = ar.maximum(state.cruising, ar.sub(one, refused))
         cruise = self._approach.speed(state.cruise, speed, state.cruising, warm)
@@ -225,8 +245,12 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
         own = self.teach(own, first, taught, measured)
 
-        new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
+        new = StopState(gap, stage, cruise, warm, late, accel, distance_used, learned, own)
         return new, self._outputs.answer(stage, code, start, margin, distance, speed, state.learned.before)
+
+    def _joins(self, measured: Measured[T]) -> T:
+        """1 if the run is under way (Q0)."""
+        return self.ar.where(self.ar.gt(measured.odometer, self._joined), self.numbers.one, self.numbers.zero)
 
     def _on_the_bus(self, code: T) -> T:
         """The command (m/s2) that is on the bus as ``code`` (mm/s2, Q0)."""
@@ -257,7 +281,8 @@ class StopLaw(VectorLaw[T, StopState[T]]):
 
     def hold_speed(self, measured: Measured[T]) -> T:
         """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""
-        return self._approach.hold_speed(self.way_left(measured.odometer))
+        kept = self._approach.hold_speed(self.way_left(measured.odometer))
+        return self.ar.where(self.ar.gt(measured.standstill, self.numbers.zero), self._no_accel, kept)
 
     def way_left(self, odometer: T) -> T:
         """Distance to the stopping point by the odometer, m."""

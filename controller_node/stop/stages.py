@@ -29,19 +29,30 @@ class Stages(Generic[T]):
         self._armed_m = hold("armed", _ARMED_M, DISTANCE_Q, "law")
 
     def advance(
-        self, stage: T, measured: Measured[T], speed: T, cruise: T, margin: T, refused: T, begins: T, learned: T
+        self,
+        stage: T,
+        measured: Measured[T],
+        speed: T,
+        cruise: T,
+        margin: T,
+        refused: T,
+        begins: T,
+        learned: T,
+        arrived: T,
     ) -> T:
         """The stage of this cycle.
 
         :param stage: of the last one. :param speed: estimated, m/s. :param cruise: that of the approach, m/s.
         :param margin: distance left before the brake has to begin, m. :param refused: 1 while the estimate must not
             start the brake. :param begins: 1 if the brake begins once it is armed. :param learned: 1 once the stop has
-            been learned (all Q0).
+            been learned (all Q0). :param arrived: 1 if the train stands and has run (Q0).
         """
         ar, zero = self._numbers.ar, self._numbers.zero
         idle, begun, rising, tracking, armed, braking, stands, learnt = self._all
         moves = ar.gt(speed, self._moving)
-        after = ar.where(moves, tracking, ar.where(ar.gt(measured.doors, zero), idle, begun))
+        # A law may begin in a run under way, also while the train rolls to its stop or stands there.
+        standing = ar.where(ar.gt(arrived, zero), stands, ar.where(ar.gt(measured.doors, zero), idle, begun))
+        after = ar.where(moves, tracking, ar.where(ar.gt(measured.standstill, zero), standing, tracking))
         after = self._at(stage, begun, ar.where(moves, rising, begun), after)
         close = ar.gt(speed, ar.sub(cruise, self._reached))
         due = ar.gt(self._armed_m, margin)

@@ -37,6 +37,8 @@ _DISTURBANCE_MPS2 = 1.0
 _NEEDED_MPS2 = 4.0
 #: Samples in which the observer settles.
 _SETTLED_SAMPLES = 512
+#: Only a command that brakes at least so much stays at the end of the stop, m/s2: a law that begins there must brake.
+_FROZEN_FROM_MPS2 = -0.2
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,7 @@ class Reaim(StopLaw[T]):
         sample_jerk = given.jerk_mps3 * cycles * period_s
         self._sample_jerk = [hold(f"sample_jerk_{sign}", sign * sample_jerk, ACCEL_Q, origin) for sign in (1, -1)]
         self._freeze = hold("freeze", given.freeze_mps, SPEED_Q, origin)
+        self._frozen_from = hold("frozen_from", _FROZEN_FROM_MPS2, ACCEL_Q, "law")
         self._ramp = hold("ramp", 0.5 / given.jerk_mps3, ACCEL_Q, origin)
         self._cycles = hold("sample_cycles", cycles - 1, 0, origin)
         self._needed = [hold("needed_max", _NEEDED_MPS2, 20, "law"), hold("needed_min", 0.0, 20, "law")]
@@ -187,7 +190,8 @@ class Reaim(StopLaw[T]):
             command = ar.clip(command, self._released, self.least)
         change = ar.clip(ar.sub(command, last), *self._sample_jerk)
         aimed = ar.clip(ar.add(last, change), self._released, self.least)
-        aimed = ar.where(ar.gt(self._freeze, then.speed), last, aimed)
+        frozen = ar.where(ar.gt(self._freeze, then.speed), last, aimed)
+        aimed = ar.where(ar.gt(self._frozen_from, last), frozen, aimed)
         aimed = ar.where(ar.gt(missed, zero), last, aimed)
         due = ar.gt(one, ar.where(ar.gt(first, zero), zero, own.wait))
         wait = ar.where(due, self._cycles, ar.maximum(ar.sub(own.wait, one), zero))

@@ -220,12 +220,12 @@ def test_the_command_that_a_law_goes_on_from_is_the_one_on_the_bus(law, paramete
 
 def test_from_standstill_the_train_starts_when_its_doors_are_closed():
     driven = Driven(IlcStop, IlcStopParameters(), start_kmh=0.0)
-    still = {f"speed{n}": 0.0 for n in range(1, 6)}
+    still = {f"speed{n}": 0.0 for n in range(1, 6)} | {"standstill": 1.0}
     assert {driven.step(doors=1.0, **still)["stage"] for _ in range(3)} == {Stage.IDLE}
     found = [driven.step(doors=0.0, **still) for _ in range(60)]
     assert found[0]["stage"] == Stage.START
     assert found[-1]["u"] == pytest.approx(600.0)
-    slow = {f"speed{n}": 8000.0 for n in range(1, 6)}
+    slow = {f"speed{n}": 8000.0 for n in range(1, 6)} | {"standstill": 0.0}
     assert driven.until(Stage.ACCELERATE, **slow)["u"] == pytest.approx(600.0, abs=20.0)
     driven.given |= {f"speed{n}": 0.0 for n in range(1, 6)}
     assert driven.until(Stage.TRACK)["stage"] == Stage.TRACK
@@ -243,3 +243,59 @@ def test_the_command_of_the_re_aim_stays_between_its_samples():
     changes = [i for i in range(1, 40) if commands[i] != commands[i - 1]]
     assert {b - a for a, b in pairwise(changes)} == {4}
     assert max(abs(commands[i] - commands[i - 1]) for i in changes) <= 48.0 + 1e-9
+
+
+# -- a law that joins a run under way ---------------------------------------------------------------------------------
+
+
+def joined(law: Any, parameters: Any, speed_mps: float, at_m: float, **changes: Any) -> Driven:
+    """A law that begins while the train is ``at_m`` from the start, at another speed than that of the run."""
+    driven = Driven(law, parameters, **changes)
+    driven.tick = round(at_m / TICK_M)
+    driven.given |= {f"speed{n}": speed_mps * 1e3 for n in range(1, 6)}
+    return driven
+
+
+LAWS = [(IlcStop, IlcStopParameters()), (Reaim, ReaimParameters())]
+UPHILL = {"grade": ((0.0, 10.0),)}
+
+
+@pytest.mark.parametrize(("law", "parameters"), LAWS)
+@pytest.mark.parametrize("doors", [0.0, 1.0])
+@pytest.mark.parametrize("start_kmh", [0.0, 60.0])
+def test_after_a_restart_at_the_platform_the_train_is_not_driven(law, parameters, doors, start_kmh):
+    driven = joined(law, parameters, 0.0, 300.0, start_kmh=start_kmh, **UPHILL)
+    still = {f"speed{n}": 0.0 for n in range(1, 6)} | {"standstill": 1.0, "doors": doors}
+    found = [driven.step(odometer=300e3, **still) for _ in range(60)]
+    assert max(one["u"] for one in found) <= 0.0
+    assert {one["stage"] for one in found} <= {Stage.STANDSTILL, Stage.LEARN}
+
+
+@pytest.mark.parametrize(("law", "parameters"), LAWS)
+def test_after_a_restart_in_a_train_that_rolls_to_its_stop_it_brakes(law, parameters):
+    driven = joined(law, parameters, 0.3, 299.0)
+    slow = {f"speed{n}": 300.0 for n in range(1, 6)}
+    found = [driven.step(odometer=299.9e3, **slow) for _ in range(160)]
+    assert found[-1]["stage"] == Stage.BRAKE
+    assert found[-1]["u"] < -100.0
+
+
+def test_a_run_that_the_controller_joined_under_way_is_not_learned():
+    driven = joined(IlcStop, IlcStopParameters(), SPEED_MPS, 200.0)
+    driven.until(Stage.STANDSTILL, standstill=1.0, report_run=3.0, report_error=2000.0)
+    driven.until(Stage.LEARN)
+    assert driven.law.memory(driven.state)["records"] == []
+
+
+def test_an_estimate_that_never_settles_defers_the_brake_by_half_a_second():
+    driven = Driven(IlcStop, IlcStopParameters())
+    driven.until(Stage.ARMED)
+    found = {"stage": Stage.ARMED}
+    while found["stage"] != Stage.BRAKE:
+        for fresh in (False,) * 4 + (True,) * 10:
+            found = driven.step(fresh=fresh)
+            if found["stage"] == Stage.BRAKE:
+                break
+        assert driven.tick < 3000
+    late_m = found["odometer_m"] - (300.0 - needed_m())
+    assert late_m == pytest.approx(0.5 * SPEED_MPS, abs=4 * TICK_M)
