@@ -13,6 +13,7 @@ lag by the factor, ``dead_time`` adds to the delay of this side. Faults of the s
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Sequence
 from functools import partial
 from math import fsum
@@ -61,6 +62,9 @@ class FaultyUnit(PowerUnit):
         self.number = number
         self.healthy = data
         self.sides = sides
+        self._first_mps2 = command_mps2
+        #: All commands of the run: faults delay them by any time.
+        self._commands_mps2 = array("d")
         super().__init__(data, motion, command_mps2)
 
     def change(self, mutations: Sequence[Activity], limits: UnitLimits) -> None:
@@ -84,6 +88,16 @@ class FaultyUnit(PowerUnit):
                 )
         traction_s, braking_s = (side.mutate(data, limits) for side in self.sides)
         self.mutate(data._replace(traction_delay_s=traction_s, braking_delay_s=braking_s))
+
+    def delayed_mps2(self, step: int, command_mps2: float) -> tuple[float, float]:
+        self._commands_mps2.append(command_mps2)
+        traction, braking = (self._sent_mps2(step - steps) for steps in (self.traction_steps, self.braking_steps))
+        self.told_mps2 = braking if braking < 0.0 else 0.0
+        return traction, braking
+
+    def _sent_mps2(self, step: int) -> float:
+        """The command that was sent at a step, also before the run."""
+        return self._commands_mps2[step] if step >= 0 else self._first_mps2
 
     def acting_mps2(self, step: int, command_mps2: float) -> float:
         traction, braking = self.delayed_mps2(step, command_mps2)
@@ -138,11 +152,13 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
                 injected.effect(one, one.active, "0" if one.fault.place.name == "delay" else "1", str(value))
 
     def _obey(self, unit: int, command_mps2: float | None) -> None:
-        watch = self.watches[unit]
-        if self._loop.opened and watch.cause is not UnitCause.BRAKE_NOT_ANSWERING:
-            # The wire has no code for this cause; the log of the faults names it.
-            watch.level, watch.cause = UnitLevel.SERVICE_BRAKE, UnitCause.NONE
+        if self._loop.opened:
+            # What is left of a brake that has not answered brakes as well: no watch releases it.
             command_mps2 = -self.train.limits.braking_mps2
+            watch = self.watches[unit]
+            if watch.cause is not UnitCause.BRAKE_NOT_ANSWERING:
+                # The wire has no code for this cause; the log of the faults names it.
+                watch.level, watch.cause = UnitLevel.SERVICE_BRAKE, UnitCause.NONE
         super()._obey(unit, command_mps2)
 
     def advance(self) -> None:

@@ -258,6 +258,28 @@ def test_a_slow_brake_and_one_with_a_dead_time_act_later() -> None:
     assert speeds[2] == pytest.approx(speeds[0] + 0.5, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    "texts",
+    [
+        ("actuator.traction dead_time 12s @0s",),
+        ("actuator.traction dead_time 7s @0s", "train.delay longer 5s @0s combine"),
+    ],
+)
+def test_commands_may_be_delayed_by_more_than_ten_seconds(texts: tuple[str, ...]) -> None:
+    plant = faulty(*texts)
+    assert driven(plant, 0.3, 12.4) == 0.0
+    assert driven(plant, 0.3, 3.0) == pytest.approx(driven(faulty(), 0.3, 3.4), abs=0.02)
+
+
+def test_an_open_safety_loop_keeps_a_brake_that_does_not_answer_applied() -> None:
+    plant = faulty("train.safety_loop off @1s", "actuator.brake weak 30% @1s", task=still_air(start_s=1500.0))
+    driven(plant, 0.1, 10.0)
+    assert (plant.watches[0].level, plant.watches[0].cause) == (
+        UnitLevel.TRACTION_CUT, UnitCause.BRAKE_NOT_ANSWERING,
+    )  # fmt: skip
+    assert plant.train.drive_mps2 == pytest.approx(-0.3 * 1.3, rel=0.01)
+
+
 def test_an_open_safety_loop_brakes_all_units_for_good() -> None:
     plant = faulty("train.safety_loop off @2s for 1s")
     assert driven(plant, 0.5, 2.0) > 0.5

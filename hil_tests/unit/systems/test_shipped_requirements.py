@@ -49,6 +49,7 @@ RUNS: dict[str, list[Row]] = {
         ("jinan_xuzhou_emergency", "pid", (), ()),
         ("hst_short", "pid", ("UNIT1_CMD loss 100% @10s for 1s", "UNIT1_FB loss 100% @20s for 1s"), ()),
         ("hst_short", "pid", ("REF loss 100% @20s for 2s",), ()),
+        ("hst_short", "pid", ("EVENT loss 100% @20s for 2s", "safety_loop off @30s"), ("task.duration_s=60",)),
         ("jinan_xuzhou_emergency", "pid", ("actuator.brake off @emergency_called+3s",), ()),
     ],
     "emu3": [
@@ -63,6 +64,7 @@ RUNS: dict[str, list[Row]] = {
             for unit in (1, 2, 3)
         ),
         ("emu3_short", "pid", ("REF loss 100% @20s for 2s",), ()),
+        ("emu3_short", "pid", ("EVENT loss 100% @20s for 2s", "safety_loop off @30s"), ("task.duration_s=60",)),
         ("jinan_xuzhou_emu3", "pid", (), ("task.start_s=3600", "task.duration_s=30")),
         ("jinan_xuzhou_emu3_emergency", "pid", ("actuator.brake off @emergency_called+3s",), ()),
     ],
