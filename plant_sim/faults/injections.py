@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from railhil.bus.injector.activities import Activities
 from railhil.faults.activity import Activity
 from railhil.faults.model import Fault, Random
+from railhil.faults.words import CLEAR
 from railhil.scenarios import streams
 
 
@@ -48,11 +49,11 @@ class Injections:
             take()
 
     def at(self, level: str, *names: str, unit: int = 0) -> list[Activity]:
-        """The faults of a level, and of these places if any are named.
+        """The faults of a level, and of these places if any are named, without the words that end others.
 
         :param unit: only the faults of this unit of the train, from 1; 0: of any unit.
         """
-        places = [(one, one.fault.place) for one in self.activities]
+        places = [(one, one.fault.place) for one in self.activities if one.fault.what != CLEAR]
         found = [one for one, place in places if place.level == level and (not names or place.name in names)]
         return [one for one in found if not unit or not one.fault.units or unit in one.fault.units]
 
