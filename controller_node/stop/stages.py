@@ -49,10 +49,10 @@ class Stages(Generic[T]):
         """
         ar, zero = self._numbers.ar, self._numbers.zero
         idle, begun, rising, tracking, armed, braking, stands, learnt = self._all
-        moves = ar.gt(speed, self._moving)
+        moves, still = ar.gt(speed, self._moving), ar.gt(measured.standstill, zero)
         # A law may begin in a run under way, also while the train rolls to its stop or stands there.
         standing = ar.where(ar.gt(arrived, zero), stands, ar.where(ar.gt(measured.doors, zero), idle, begun))
-        after = ar.where(moves, tracking, ar.where(ar.gt(measured.standstill, zero), standing, tracking))
+        after = ar.where(moves, tracking, ar.where(still, standing, tracking))
         after = self._at(stage, begun, ar.where(moves, rising, begun), after)
         close = ar.gt(speed, ar.sub(cruise, self._reached))
         due = ar.gt(self._armed_m, margin)
@@ -62,8 +62,9 @@ class Stages(Generic[T]):
         after = self._at(stage, tracking, ar.where(ar.gt(refused, zero), tracking, near), after)
         brakes = ar.where(ar.gt(begins, zero), braking, armed)
         after = self._at(stage, armed, ar.where(ar.gt(refused, zero), tracking, brakes), after)
-        still = ar.where(ar.gt(measured.standstill, zero), stands, braking)
-        after = self._at(stage, braking, still, after)
+        after = self._at(stage, braking, braking, after)
+        # A train that has been stopped on its way stays as well: its doors open.
+        after = self._at(stage, rising, ar.where(still, stands, after), after)
         after = self._at(stage, stands, ar.where(ar.gt(learned, zero), learnt, stands), after)
         after = ar.where(ar.gt(stage, stands), learnt, after)
         return ar.note("stage_now", after, 0)

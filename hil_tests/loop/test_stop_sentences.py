@@ -22,6 +22,7 @@ RESTART = ("controller restart @stopped+100ms for 50ms",)
     [
         pytest.param(STANDSTILL, RESTART, "STOP-15", id="a restart at the platform of a run from standstill"),
         pytest.param(UPHILL, RESTART, "STOP-15", id="a restart at a platform on a slope"),
+        pytest.param((), ("brake full @1s for 5s",), "STOP-15", id="a stop on the way by a brake that nobody commands"),
         pytest.param((), ("SPEED_RAW loss 60% @1s",), "STOP-17", id="an estimate that never settles"),
         pytest.param((), ("SPEED_RAW loss 100% @2s for 80ms",), "STOP-17", id="five speeds lost"),
     ],

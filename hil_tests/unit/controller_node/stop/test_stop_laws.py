@@ -299,3 +299,14 @@ def test_an_estimate_that_never_settles_defers_the_brake_by_half_a_second():
         assert driven.tick < 3000
     late_m = found["odometer_m"] - (300.0 - needed_m())
     assert late_m == pytest.approx(0.5 * SPEED_MPS, abs=4 * TICK_M)
+
+
+@pytest.mark.parametrize(("law", "parameters"), LAWS)
+@pytest.mark.parametrize("stage", [Stage.TRACK, Stage.ARMED])
+def test_a_train_that_was_stopped_on_its_way_is_not_driven_again(law, parameters, stage):
+    driven = Driven(law, parameters, **UPHILL)
+    driven.until(stage)
+    still = {f"speed{n}": 0.0 for n in range(1, 6)} | {"standstill": 1.0, "doors": 1.0}
+    found = [driven.step(**still) for _ in range(60)]
+    assert {one["stage"] for one in found} == {Stage.STANDSTILL}
+    assert found[-1]["u"] <= 0.0
