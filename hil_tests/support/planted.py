@@ -18,9 +18,12 @@ from railhil.hunt.defects import Defect
 
 
 @cache
-def planted_rows() -> dict[str, tuple[Defect, tuple[str, ...], str]]:
-    """By id: a defect, the faults of a run that shows it, and the id of the sentence that this run violates."""
-    tables = tomllib.loads((TEST_DATA / "planted.toml").read_text("utf-8"))["defect"]
+def planted_rows(name: str = "planted") -> dict[str, tuple[Defect, tuple[str, ...], str]]:
+    """By id: a defect, the faults of a run that shows it, and the id of the sentence that this run violates.
+
+    :param name: of the file.
+    """
+    tables = tomllib.loads((TEST_DATA / f"{name}.toml").read_text("utf-8"))["defect"]
     return {row["id"]: (Defect(**row), tuple(faults), by) for faults, by, row in map(_parts, tables)}
 
 
