@@ -100,7 +100,6 @@ class Guard:
         self._counter = counter or BitCounter(wire_contract().bit_rate)
         self._age = MessageAge(self._counter)
         self._odometer = odometer or Odometer(scenario)
-        self._sent_ns = 0
         #: The safe channel that must confirm every speed; None: the scenario has none.
         self.safe = SafeSpeed(scenario) if scenario.safety.sdt else None
         self._speed_ns = -1
@@ -115,6 +114,9 @@ class Guard:
         self._sample_ns = -_SAMPLE_NS
         self._sample_01mmps = 0
         self._latency = Latency(scenario)
+        self._poll_ns = self._latency.poll_ticks * scenario.timing.base_tick_ns
+        # Up to when the ramp has gone; 0: no notch was sent yet.
+        self._ramp_ns = 0
         # Each permitted bad telegram is paid back within the window divided by their number.
         permitted = scenario.watch.channel_bad_max
         self._channel = Debt(CHANNEL_WINDOW_MS, CHANNEL_WINDOW_MS * permitted, permitted)
@@ -256,7 +258,10 @@ class Guard:
             self._findings.note("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
         # The overspeed is also checked in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
-        ramp = self._ladder.ramp_codes(self._sent_ns, now_ns)
-        self._sent_ns = now_ns
+        # A poll comes a period after the last one at the earliest. A clock that was behind, because speeds were late,
+        # and catches up or is set right by TIME_SYNC, makes no step of the ramp larger.
+        ramp_ns = max(now_ns, self._ramp_ns + self._poll_ns) if self._ramp_ns else now_ns
+        ramp = self._ladder.ramp_codes(self._ramp_ns, ramp_ns)
+        self._ramp_ns = ramp_ns
         self._state, code, emergency = command(self._ladder, self._state, law_code, ramp)
         return code, emergency

@@ -7,10 +7,11 @@ The dead-reckoned position integrates the accepted speeds and follows the odomet
 
 The last part grows with time (resolution and noise of the speed) and with the age of the speed (``ACCEL_MAX_MPS2``) and
 shrinks with each plausible telegram. The law gets the odometer itself while telegrams arrive on time and are plausible;
-otherwise it gets the dead-reckoned position until ``GOOD_RUN`` plausible telegrams in a row. After ``RECKONING_MAX_NS``
-of dead reckoning the position is lost. Only plausible telegrams restore the odometer: an odometer that has jumped and
-then continues evenly stays wrong. Implausible positions for that long contradict the speed, which every law uses: the
-position is then implausible also for a law that needs none.
+otherwise it gets the dead-reckoned position until ``GOOD_RUN`` plausible telegrams in a row. A telegram that is late by
+no more than the hold age ends no row: the node tells its time by TRN_SPEED, which may be as late without a reaction.
+After ``RECKONING_MAX_NS`` of dead reckoning the position is lost. Only plausible telegrams restore the odometer: an
+odometer that has jumped and then continues evenly stays wrong. Implausible positions for that long contradict the
+speed, which every law uses: the position is then implausible also for a law that needs none.
 """
 
 from __future__ import annotations
@@ -71,6 +72,8 @@ class Odometer:
         self._in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns + task_period_ns
         self._exact = round((TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
         self._hold_ns = scenario.watch.hold_ms * _NS_PER_MS
+        # A longer silence ends a row.
+        self._silent_ns = self._in_time_ns + self._hold_ns
         self._speed_error_01mmps = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
         self._accel_01mmps2 = round(ACCEL_MAX_MPS2 * 1e4)
         self._life = LifeSign()
@@ -134,7 +137,7 @@ class Odometer:
         share_ns = min(since_ns, FOLLOWING_NS)
         self._place += off * share_ns // FOLLOWING_NS
         self._slack -= self._slack * share_ns // FOLLOWING_NS
-        if since_ns > self._in_time_ns:
+        if since_ns > self._silent_ns:
             self._run = 0
         self._run = min(self._run + 1, GOOD_RUN)
         self._reading_01mm, self._fitted_ns = reading_01mm, at_ns

@@ -267,7 +267,7 @@ def command(ladder: Ladder, state: SpeedWatchState, law_code: int, ramp: int) ->
     else:
         code = min(law_code, last + ramp) if returning else law_code
         returning = code < law_code
-    # If the clock was set back, the ramp runs backwards for one notch.
+    # A negative ramp ends at the full brake, too.
     code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)

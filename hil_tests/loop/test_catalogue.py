@@ -15,6 +15,7 @@ from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run, needs_hub
 from railhil.cli.run import run_spec
 from railhil.judge.reactions.catalogue import Entry, catalogue
+from railhil.run.spec import with_requirements
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow]
 
@@ -57,6 +58,19 @@ def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_
     assert row.failures == []
     assert row.made
     assert not list(tmp_path.glob("*/frames.blf")), "nobody keeps this folder"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("law", ["ipfc", "ipfc_plus"])
+@pytest.mark.parametrize("name", ["T5c", "B6", "S2b"])
+def test_an_entry_holds_on_a_long_journey_with_both_laws_and_the_sentences(name: str, law: str, tmp_path: Path) -> None:
+    """Late speeds put the controller's clock behind: that must not cost the position, nor make the ramp steeper."""
+    given = parser(["faults"]).parse_args(["faults", "lvshun_tieshan"])
+    (entry,) = (one for one in catalogue() if one.id == name)
+    row = entry_run(with_requirements(run_spec(given, law, None), "ato"), tmp_path, False, entry)
+    assert row.made
+    assert row.failures == []
+    assert "violated" not in row.requirements.values()
 
 
 def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import random
 from collections.abc import Callable
 from pathlib import Path
 
@@ -215,6 +216,35 @@ def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) 
         assert max(run.levels) == reached[polls]
     if silent is TrnPos:
         assert max(run.levels) == (WatchLevel.SERVICE_BRAKE if polls == 80 else WatchLevel.NORMAL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("late_ticks", "level"), [((1, 2), WatchLevel.NORMAL), ((50, 50), WatchLevel.SERVICE_BRAKE)], ids=["8 ms", "500 ms"]
+)
+def test_late_speeds_cost_neither_the_position_nor_the_ramp(
+    exported, late_ticks: tuple[int, int], level: WatchLevel
+) -> None:
+    """The clock is behind by as much: the position is not lost for it, and the ramp goes on from poll to poll."""
+    draw, held, tick = random.Random(5), list[tuple[int, Frame]](), 0
+
+    def wire(frame: Frame) -> list[Frame]:
+        nonlocal held, tick
+        if frame.can_id != TrnSpeed.port().address or frame.flags:
+            return [frame]
+        tick += 1
+        if tick < 500:
+            return [frame]
+        held.append((tick + draw.choice(late_ticks), frame))
+        due = [late for at, late in held if at <= tick]
+        held = [(at, late) for at, late in held if at > tick]
+        draw.shuffle(due)
+        return due
+
+    run = faulty_run(exported, "ipfc_plus", wire)
+    assert max(run.levels) == level
+    if level is WatchLevel.NORMAL:
+        assert run.c["out_of_order"] > 50
 
 
 @pytest.mark.slow

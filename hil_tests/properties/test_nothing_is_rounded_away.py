@@ -21,7 +21,7 @@ from railhil.controller_node.ato.speed_watch import Ladder
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.systems.ato.scenario.model import Safety
-from railhil.wire.ato import SpeedSdt, TrnSpeed, WatchLevel
+from railhil.wire.ato import NotchCmd, SpeedSdt, TrnSpeed, WatchLevel
 
 SCENARIO = load("lvshun_tieshan")
 S = 1_000_000_000
@@ -50,7 +50,9 @@ def test_the_service_brake_builds_up_and_goes_at_the_same_pace_with_every_period
     """Also for a train of one notch, and with polls so often that a code needs many of them."""
     train = SCENARIO.train
     force_n = train.force_per_notch_n * train.notch_max / notches
-    scenario = replace(SCENARIO, train=replace(train, notch_max=float(notches), force_per_notch_n=force_n))
+    timing = replace(SCENARIO.timing, base_tick_ns=period_ns, port_period_ns={NotchCmd.PORT: period_ns})
+    train = replace(train, notch_max=float(notches), force_per_notch_n=force_n)
+    scenario = replace(SCENARIO, train=train, timing=timing)
     ladder, guard = Ladder.of(scenario), Guard(scenario)
     start_ns = 10 * S
     guard.speed(TrnSpeed(0), start_ns)
@@ -65,6 +67,26 @@ def test_the_service_brake_builds_up_and_goes_at_the_same_pace_with_every_period
         assert guard.level is WatchLevel.SERVICE_BRAKE
         exact = Fraction(ladder.ramp_code_per_s * (now_ns - start_ns), S)
         assert abs(-code - min(exact, ladder.service_code)) < 1
+
+
+@given(lags=st.lists(st.integers(0, 2), max_size=60))
+def test_a_clock_that_is_behind_at_some_polls_makes_no_step_of_the_ramp_larger(lags: list[int]) -> None:
+    """The node tells its time by TRN_SPEED, which may be late; the polls come in time."""
+    ladder, guard = Ladder.of(SCENARIO), Guard(SCENARIO)
+    poll_ns, start_ns, now_ns, before = 20_000_000, 10 * S, 0, 0
+    step = ladder.ramp_codes(0, poll_ns)
+    guard.wait(True)
+    for poll, lag in enumerate([*[0] * 60, *lags]):
+        now_ns = max(now_ns, start_ns + poll * poll_ns - lag * 10_000_000)
+        for life in (2 * poll, 2 * poll + 1):
+            guard.speed(TrnSpeed(100_000 + life % 2, life=life % 16), now_ns)
+        if poll == 50:
+            guard.wait(False)
+        code, _ = guard.notch(1792, now_ns)
+        if guard.level is WatchLevel.NORMAL:
+            assert step <= code - before <= step + 1
+        before = code
+    assert guard.level is WatchLevel.NORMAL
 
 
 @given(

@@ -103,8 +103,9 @@ class PlainGuard:
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         self.look(Reception.NONE, now_ns)
-        codes = [self.ladder.ramp_code_per_s * at_ns // 10**9 for at_ns in (self.sent[-1], now_ns)]
-        self.sent.append(now_ns)
+        # Polls come every 20 ms: a clock that was behind makes no step of the ramp larger.
+        self.sent.append(max(now_ns, self.sent[-1] + 20 * MS) if self.sent[-1] else now_ns)
+        codes = [self.ladder.ramp_code_per_s * at_ns // 10**9 for at_ns in self.sent[-2:]]
         self.state, code, emergency = command(self.ladder, self.state, law_code, codes[1] - codes[0])
         return code, emergency
 
@@ -170,6 +171,11 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
         code = -command_ramp((age_ms + 1) * MS - 1) if level is WatchLevel.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
         assert subject.level is level
+    # The first poll may come at once, and the ramp has not gone anywhere.
+    subject = module.Guard(SCENARIO)
+    subject.wait(True)
+    for poll_ns in (0, 20 * MS, 40 * MS):
+        assert subject.notch(0, poll_ns) == (-command_ramp(poll_ns), False)
     # A limit that arrives after the speed of the same tick applies in that tick.
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(edge + 1), 0)

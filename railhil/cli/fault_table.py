@@ -23,6 +23,11 @@ def check_new(out: Path | None) -> None:
         raise InputError("command line", "--out", str(out), "an empty or new folder")
 
 
+def says_by_id(base: RunSpec) -> dict[str, str]:
+    """The sentences by which each run is judged, by id."""
+    return {str(one["id"]): str(one["says"]) for one in base.requirements}
+
+
 def keep_table(
     out: Path | None,
     base: RunSpec,
@@ -47,6 +52,7 @@ def keep_table(
         "controller": base.law.controller,
         "seed": base.seed,
         "recorded": recorded_by(),
+        "sentences": says_by_id(base),
         **further,
         **made_by(system, base.law.controller, code_sha256()),
         "rows": list(rows),

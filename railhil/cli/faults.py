@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -14,7 +14,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.cli.fault_pairs import pairs
-from railhil.cli.fault_table import check_new, keep_table
+from railhil.cli.fault_table import check_new, keep_table, says_by_id
 from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
@@ -28,6 +28,7 @@ from railhil.faults.page import lines
 from railhil.faults.words import CLEAR, PLACES, WORDS
 from railhil.judge.reactions.catalogue import Entry, catalogue_of
 from railhil.judge.reactions.evaluate import Row, decided, evaluated, seen_in
+from railhil.judge.requirements.sentence import VIOLATED
 from railhil.record.run_folder import remove_torn_run
 from railhil.record.signature import add_sign_argument, check_key
 from railhil.run.make import NeverBegan, run_into
@@ -134,7 +135,7 @@ def entry_run(base: RunSpec, out: Path, keep: bool, entry: Entry) -> Row:
         shutil.rmtree(out / entry.id)
         return row
     outcomes = result.score.requirements
-    violated = [one.line for one in outcomes if one.violated]
+    violated = [one.short_line for one in outcomes if one.violated]
     return replace(row, failures=[*row.failures, *violated], requirements=decided(outcomes))
 
 
@@ -149,8 +150,11 @@ def _bound(row: Row) -> tuple[str, str]:
     return "-" if within_ms is None else str(within_ms), margin
 
 
-def _print_rows(console: Output, rows: Sequence[Row]) -> None:
-    """The table of reactions; the times are in ms from the first effect."""
+def _print_rows(console: Output, rows: Sequence[Row], sentences: Mapping[str, str]) -> None:
+    """The table of reactions; the times are in ms from the first effect.
+
+    :param sentences: by id; those that a run has violated stand below the table.
+    """
     shown = table(tight=True)
     for name in _COLUMNS:
         shown.add_column(name, justify="right" if name in _NUMBERS else "left")
@@ -176,6 +180,10 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
     for row in rows:
         if row.entry.limit and not row.refused:
             console.say(f"{row.entry.id}: {row.entry.limit}")
+    violated = {id_ for row in rows for id_, verdict in row.requirements.items() if verdict == VIOLATED}
+    for id_, says in sentences.items():
+        if id_ in violated:
+            console.say(f"{id_}: {says}")
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -217,7 +225,7 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:
-        _print_rows(console, rows)
+        _print_rows(console, rows, says_by_id(base))
     wrong = [row.entry.id for row in rows if row.failures]
     made = sum(row.made for row in rows)
     left = [row.entry.id for row in rows if not row.made]

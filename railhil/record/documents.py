@@ -158,6 +158,7 @@ class _FaultTable(_MadeBy):
     recorded: Recorded | None = None
     entries: list[str] = []
     pairs: list[_FaultPair] = []
+    sentences: dict[str, str] = {}
     rows: list[_FaultRow]
 
 

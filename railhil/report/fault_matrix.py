@@ -86,6 +86,19 @@ class Table:
         return sorted({place for places in found for place in places}), found
 
     @property
+    def sentences(self) -> list[tuple[str, str, dict[str, list[str]]]]:
+        """The sentences that the runs have decided: id, text, and the entries by verdict."""
+        found: list[tuple[str, str, dict[str, list[str]]]] = []
+        for key, says in self.document.get("sentences", {}).items():
+            entries: dict[str, list[str]] = {}
+            for row in self.rows:
+                if key in row.requirements:
+                    entries.setdefault(row.requirements[key], []).append(row.entry.id)
+            if entries:
+                found.append((key, says, entries))
+        return found
+
+    @property
     def says(self) -> str:
         """The result in a sentence."""
         if self.pairs:

@@ -5,6 +5,7 @@
 
 #define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S INT64_C(1000000000)
+#define POLL_NS (RAILHIL_NOTCH_TICKS * RAILHIL_BASE_TICK_NS)
 /* The last telegrams, a bit each. */
 #define RECENT_MASK ((1u << RAILHIL_RECENT) - 1u)
 
@@ -316,7 +317,9 @@ static int64_t ramp_codes(int64_t at_ns)
 int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t law_code)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t ramp = ramp_codes(now_ns) - ramp_codes(watch->sent_ns);
+    /* The next poll is a period later at the earliest: a clock that was behind does not make the ramp steeper. */
+    const int64_t ramp_ns = railhil_greater(now_ns, watch->ramp_ns != 0 ? watch->ramp_ns + POLL_NS : now_ns);
+    const int64_t ramp = ramp_codes(ramp_ns) - ramp_codes(watch->ramp_ns);
     const int64_t last = watch->code;
     int returning;
     int64_t code;
@@ -346,7 +349,7 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
         break;
     }
     watch->returning = returning;
-    watch->sent_ns = now_ns;
+    watch->ramp_ns = ramp_ns;
     watch->code = (int32_t)railhil_within(code, RAILHIL_FULL_CODE);
     return watch->code;
 }

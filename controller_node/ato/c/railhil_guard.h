@@ -26,7 +26,7 @@ enum {
 
 typedef struct {
     int64_t accepted_ns; /* time of the last accepted TRN_SPEED */
-    int64_t sent_ns;     /* time of the last notch sent */
+    int64_t ramp_ns;     /* up to when the ramp has gone; 0: no notch was sent yet */
     int64_t changed_ns;  /* when the speed has last changed */
     int64_t sample_ns;   /* last sample of the motion */
     int64_t track_ns;    /* time of the last TRK_INFO with limit and grade */

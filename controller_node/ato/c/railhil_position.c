@@ -114,7 +114,8 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     share_ns = railhil_lesser(since_ns, RAILHIL_FOLLOWING_NS);
     odometer->place += share_of(off, share_ns, RAILHIL_FOLLOWING_NS);
     odometer->slack -= share_of(odometer->slack, share_ns, RAILHIL_FOLLOWING_NS);
-    if (since_ns > RAILHIL_POSITION_IN_TIME_NS) {
+    if (since_ns > RAILHIL_POSITION_IN_TIME_NS + RAILHIL_HOLD_MS * NS_PER_MS) {
+        /* Less may be due to the time of the node, which it tells by TRN_SPEED. */
         odometer->run = 0;
     }
     odometer->run = odometer->run < RAILHIL_GOOD_POSITIONS ? odometer->run + 1 : RAILHIL_GOOD_POSITIONS;

@@ -168,6 +168,19 @@ def test_a_row_names_the_sentences_that_its_run_has_decided(tmp_path: Path) -> N
     assert "ATO-6 violated" in required
 
 
+def test_the_text_of_a_sentence_stands_once_below_the_table_with_its_entries(tmp_path: Path) -> None:
+    says = "whenever fault, within 64 ms notch_command <= 0"
+    late = replace(LATE, entry=ENTRY.model_copy(update={"id": "T3"}), requirements={"ATO-6": "violated"})
+    rows = replace(KEPT, requirements={"ATO-6": "kept"}), late
+    text = page(table(tmp_path, *rows, sentences={"ATO-6": says, "ATO-9": "never brake < 0 N"}))
+    assert text.count("whenever fault, within 64 ms notch_command &lt;= 0") == 1
+    below = re.sub("<[^>]*>", "", text[text.index('id="table-1-ATO-6"') :])
+    assert "kept in 1 run" in below
+    assert "violated in T3" in below
+    assert text.count('href="#table-1-ATO-6"') == 2
+    assert "ATO-9" not in text, "no run has decided it"
+
+
 def test_an_edited_file_of_a_run_that_a_row_leads_to_is_said(tmp_path: Path) -> None:
     folder = table(tmp_path, KEPT, hash_list=HASH_LIST)
     (folder / "T2b" / "certificate.json").write_text("{}")

@@ -84,8 +84,20 @@ class Outcome:
         """What was found, in a line; for a violated one the reason of a FAIL."""
         said = f"requirement {self.id}: {self.says}: {self.verdict}"
         if self.margin is not None and self.instant_s is not None:
-            said += f", margin {self.margin:.4g} {self.unit}".rstrip() + f" at {self.instant_s:.2f} s"
+            said += f", {self._margin_text} at {self.instant_s:.2f} s"
         return said
+
+    @property
+    def short_line(self) -> str:
+        """As :attr:`line`, without its sentence: where that stands elsewhere."""
+        said = f"{self.id} {self.verdict}"
+        if self.instant_s is not None:
+            said += f" at {self.instant_s:.2f} s"
+        return said if self.margin is None else f"{said}, {self._margin_text}"
+
+    @property
+    def _margin_text(self) -> str:
+        return f"margin {self.margin:.4g} {self.unit}".rstrip()
 
     def as_json(self) -> dict[str, Any]:
         """As in ``score.json``."""

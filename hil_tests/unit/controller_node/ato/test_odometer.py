@@ -93,6 +93,27 @@ def test_a_second_on_the_reckoned_position_and_then_lost(ride: Ride, fault: dict
     assert ride.off_01mm == 0
 
 
+@pytest.mark.parametrize(("missing", "is_used"), [(1, True), (2, False)])
+def test_one_missing_telegram_ends_no_row_and_two_do(ride: Ride, missing: int, is_used: bool) -> None:
+    ride.go(2 * missing, off_mm=None)
+    ride.go(2, off_mm=50)
+    assert (ride.off_01mm == 500) is is_used
+
+
+@given(lags=st.lists(st.integers(0, 2), min_size=300, max_size=300))
+def test_a_node_whose_time_is_late_by_no_more_than_the_hold_age_keeps_its_position(lags: list[int]) -> None:
+    """It tells its time by TRN_SPEED, which may be up to 20 ms old without a reaction."""
+    odometer, now_ns = Odometer(SCENARIO, needed=True), 0
+    for tick, lag in enumerate(lags):
+        now_ns = max(now_ns, (tick - lag) * 10 * MS)
+        odometer.speed(CRUISE_01MMPS, now_ns)
+        if tick % 2 == 0:
+            odometer.position(TrnPos(CRUISE_01MMPS * tick // 1000, life=tick // 2 % 16), now_ns)
+        assert odometer.lost(now_ns) is CtlCause.NONE
+    assert odometer.counters == {}
+    assert odometer._run == 10
+
+
 # -- balises ----------------------------------------------------------------------------------------------------------
 
 

@@ -86,7 +86,7 @@ class Plain:
         share = min(since, S)
         self.place += off * share // S
         self.slack -= self.slack * share // S
-        self.good = 1 if since > 20 * MS + TASK_NS else min(self.good + 1, 10)
+        self.good = 1 if since > 41 * MS + TASK_NS else min(self.good + 1, 10)
         self.reading, self.fitted = reading, now
         if self.good == 10:
             self.trusted, self.jumped = now, None

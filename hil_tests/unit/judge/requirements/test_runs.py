@@ -54,7 +54,12 @@ def test_a_violated_requirement_fails_the_run_and_its_frames_are_those_without(j
     assert (plain.verdict, judged.verdict, judged.exit_code) == ("PASS", "FAIL", 1)
     assert judged.frames_sha256 == plain.frames_sha256
     assert [one.verdict for one in judged.score.requirements] == ["kept", "violated", "says nothing"]
-    assert judged.line == judged.score.requirements[1].line
+    violated = judged.score.requirements[1]
+    assert judged.line == violated.line
+    assert violated.margin is not None
+    short = f"{violated.id} violated at {violated.instant_s:.2f} s, margin {violated.margin:.4g} {violated.unit}"
+    assert violated.short_line == short
+    assert violated.says not in short
     assert "requirements" not in json.loads((tmp_path / "plain" / "score.json").read_text())
 
 
