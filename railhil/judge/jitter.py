@@ -27,7 +27,8 @@ WALL = "wall.csv"
 LATE_SHARE_MAX = 0.001
 LATE_MS = 5.0
 #: A run with one cycle this late is also INVALID: in a long run a single pause of the host would be too small a share.
-PAUSE_MS = 200.0
+#: A pause of 200 ms (fault K2) makes the next cycle late by 200 ms less the rest of its tick, of up to 50 ms here.
+PAUSE_MS = 150.0
 #: Bins of the histogram in ms, five per decade; values outside are counted in the first or last bin.
 EDGES_MS: tuple[float, ...] = tuple(float(f"{10 ** (step / 5):.3g}") for step in range(-15, 16))
 #: Source of the measurement.

@@ -94,7 +94,9 @@ def plant_table(folder: Path, jitter_ms: float, cycles: int = 100) -> None:
         (late(1000, 1000, LATE_MS), True, ""),
         (late(1000, 1000, np.nextafter(LATE_MS, 9)), False, "timing: 100.00% of 1000 cycles"),
         # A pause of the host that is too short a share of a long run.
-        (late(10**6, 1, PAUSE_MS), False, "timing: a cycle 200 ms late, allowed less than 200 ms"),
+        (late(10**6, 1, PAUSE_MS), False, "timing: a cycle 150 ms late, allowed less than 150 ms"),
+        # A pause of 200 ms in a tick of 10 ms.
+        (late(10**6, 1, 190.0), False, "timing: a cycle 190 ms late, allowed less than 150 ms"),
         (late(10**6, 1, PAUSE_MS - 0.1), True, ""),
         (jitter_from(np.zeros(0)), False, "timing: 100.00% of 0 cycles"),
     ],
