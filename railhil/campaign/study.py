@@ -21,6 +21,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
 from railhil.judge.judging import judging_of
 from railhil.run.make import run_into
+from railhil.scenarios.given import is_law_name
 from railhil.scenarios.run_spec import RunSpec
 from railhil.study.finished import Verified, differences
 from railhil.study.perturbed_runs import run_seeds
@@ -104,6 +105,11 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
     yield Verified(f"{law}, seed {seed}", {"law": law, "seed": seed}, differences(ours, bench))
 
 
+def _controllers(request: Request, identity: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    texts = [text for text in request.laws if not is_law_name(text)]
+    return dict(zip(texts, (law for law in identity["laws"] if "form" in law), strict=True))
+
+
 CAMPAIGN: Study[Plan, Chunk] = Study(
     name="campaign",
     kind="campaign",
@@ -117,4 +123,7 @@ CAMPAIGN: Study[Plan, Chunk] = Study(
     items=lambda plan: plan.request.runs * len(plan.entries),
     repeat=_repeat,
     lines=lines,
+    page="railhil.campaign.report:page",
+    ends_with_page=False,
+    controllers=_controllers,
 )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 
 from railhil.common.errors import InputError, Words
 from railhil.common.extras import missing_library
@@ -19,14 +19,14 @@ from railhil.report.noise import Noise
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
 
-#: Studies with a page of their own: the file by which the folder of one is known, and the module that writes the page.
+#: Studies with a page of their own: the file by which the folder of one is known, and the function that writes it.
 _CAMPAIGN = "campaign.json"
 _STUDIES = {
-    _CAMPAIGN: "railhil.campaign.report",
-    "hunt.json": "railhil.hunt.study",
-    "learn.json": "railhil.sequences.study",
-    "sequence.json": "railhil.sequences.recorded",
-    "probability.json": "railhil.probability.study",
+    _CAMPAIGN: "railhil.campaign.study:CAMPAIGN.report_of",
+    "hunt.json": "railhil.hunt.study:HUNT.report_of",
+    "learn.json": "railhil.sequences.study:LEARN.report_of",
+    "sequence.json": "railhil.sequences.recorded:report_of",
+    "probability.json": "railhil.probability.study:PROBABILITY.report_of",
 }
 
 
@@ -139,7 +139,7 @@ def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> i
         found = Words(f"a {kind} beside other folders or --scenario")
         raise InputError("command line", "folder", found, f"one {kind} alone")
     try:
-        module = import_module(_STUDIES[name])
+        write = resolve_name(_STUDIES[name])
     except ImportError as error:
         raise missing_library(f"railhil report of a {kind}", error, "campaign") from None
-    return _write(given, namespace, partial(module.report_of, given[0]))
+    return _write(given, namespace, partial(write, given[0]))

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -118,7 +119,15 @@ def shrink_draws(draws: Draws, violates: Callable[[Draws], bool]) -> Draws:
 
 def draws_sentence(draws: Sequence[float]) -> str:
     """Draws in words."""
-    length = math.sqrt(math.fsum(one * one for one in draws))
-    return (
-        f"draws of length {length:.3g} (standard deviations), {sum(bool(one) for one in draws)} of {len(draws)} not 0"
-    )
+    return f"draws of length {math.hypot(*draws):.3g} (standard deviations), {_not_0(draws)} of {len(draws)} not 0"
+
+
+def size_words(faults: Sequence[str], draws: Sequence[float]) -> str:
+    """The size of a case: its faults, and its draws that are not 0, which is nominal."""
+    count = _not_0(draws)
+    drawn = f"{count_of(count, 'draw')} not nominal (length {math.hypot(*draws):.3g})"
+    return " and ".join([count_of(len(faults), "fault")] * bool(faults) + [drawn] * bool(count)) or "nothing"
+
+
+def _not_0(draws: Sequence[float]) -> int:
+    return sum(bool(one) for one in draws)

@@ -15,7 +15,7 @@ from railhil.batch.decision import Decision, find_decision, scores_that_violate
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, describe_os_error
 from railhil.common.user_files import RecordFailed, write_synced
-from railhil.hunt.draws import with_draws
+from railhil.hunt.draws import size_words, with_draws
 from railhil.hunt.least import Least, ShrinkTask, shrink_case
 from railhil.hunt.oracle import Judged, judge_result, run_case
 from railhil.judge.record import checked_record
@@ -232,7 +232,7 @@ def _scenario_file(plan: Plan, place: Path, name: str, one: Least) -> str:
         f"# railhil hunt, seed {plan.request.seed}: {one.task.requirement} is violated: {one.said}",
         f"# railhil run {FOUND}/{name}.toml{_options(plan, one)}",
         f"# frames.log sha256 {one.frames_sha256}",
-        f"# found in case {one.task.number} with {count_of(len(one.task.faults), 'fault')}, "
+        f"# found in case {one.task.number} with {size_words(one.task.faults, one.task.draws)}, "
         f"shrunk in {count_of(one.shrunk.runs, 'run')}",
         "schema_version = 1",
         f"extends = {_toml_text(base)}",

@@ -23,6 +23,7 @@ from railhil.common.library_call import (
     is_path,
     library_call,
 )
+from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND
 from railhil.hunt.show import summary_lines
 from railhil.run.spec import Files, Settings, Texts, named_laws, requirement_names, settings_of, texts_of
@@ -66,7 +67,7 @@ class Searched:
 @dataclass(frozen=True, slots=True)
 class FoundCase:
     """The least case of a requirement: its faults, the seed of its run, the scenario file that repeats it, its run
-    folder, how it violates the requirement, and the hash of its frames."""
+    folder, how it violates the requirement, the hash of its frames, and its draws."""
 
     requirement: str
     faults: tuple[str, ...]
@@ -75,9 +76,11 @@ class FoundCase:
     folder: Path
     said: str
     frames_sha256: str
+    draws: tuple[float, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.requirement} by {'; '.join(self.faults) or 'no fault at all'} ({self.file})"
+        by = "; ".join([*self.faults, *[draws_sentence(self.draws)] * bool(self.draws)]) or "no fault at all"
+        return f"{self.requirement} by {by} ({self.file})"
 
 
 @dataclass(frozen=True)
@@ -104,7 +107,7 @@ class HuntOutcome:
         return tuple(
             FoundCase(
                 one["id"], tuple(one["faults"]), one["seed"], place / f"{one['name']}.toml", place / one["name"],
-                one["says"], one["frames_sha256"],
+                one["says"], one["frames_sha256"], tuple(one["draws"]),
             )
             for one in self.summary["found"]
         )  # fmt: skip

@@ -22,6 +22,11 @@ _HEIGHT_PX, _NAME_PX = 120, 18
 _NAME_LETTERS = 20
 #: Dashes and widths of the runs: the case, the nearest one that passes, the one without faults.
 _RUNS = ((1.8, ()), (1.3, (7.0, 3.0)), (1.1, (2.0, 2.0)))
+_CURVES = (
+    "Solid: the case",
+    "dashed: the nearest case that keeps the requirement",
+    "dotted: the same run without faults",
+)
 #: Colours of the runs where a chart has a single value.
 _COLOURS = ("0", "2", "dim")
 #: Least time shown before and behind what decides, in s, and its share of that.
@@ -32,8 +37,9 @@ _NEAR_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A run on the page: its record, and its grid."""
+    """A run on the page: its record, and its grid; ``number`` as in :func:`side`."""
 
+    number: int
     label: str
     record: Record
     grid: Grid
@@ -45,7 +51,7 @@ def side(label: str, record: Record, number: int) -> Side:
 
     :param number: 0: the case; 1: the nearest one that passes; 2: the one without faults.
     """
-    return Side(label, record, Grid(record), columns_of(record.copy_with(label=label), -1, Style(number)))
+    return Side(number, label, record, Grid(record), columns_of(record.copy_with(label=label), -1, Style(number)))
 
 
 def figures(name: str, sides: Sequence[Side], drawn: DrawnSentence | None, outcome: Outcome | None) -> list[Figure]:
@@ -57,12 +63,12 @@ def figures(name: str, sides: Sequence[Side], drawn: DrawnSentence | None, outco
     end_s = max(float(one.columns.time_s[-1]) for one in sides)
     near = _near(sides[0].record, outcome, end_s)
     whole = Figure(f"{name}-whole", "The whole run", "", _charts(f"{name}-whole", sides, drawn, outcome, (0.0, end_s)))
+    if not whole.charts:
+        return []
     if near is None:
         return [whole]
-    caption = (
-        "Solid: the case; dashed: the nearest case that keeps the requirement; dotted: the same run without faults. "
-        "A margin below 0 is no violation yet where the sentence allows a time."
-    )
+    curves = "; ".join(_CURVES[one.number] for one in sides)
+    caption = f"{curves}. A margin below 0 is no violation yet where the sentence allows a time."
     return [
         Figure(f"{name}-near", "What decides", caption, _charts(f"{name}-near", sides, drawn, outcome, near)),
         whole,
@@ -89,7 +95,7 @@ def _charts(
     if drawn is not None:
         found += [_values(group, sides, bounds, marks) for group in _grouped(drawn.series())]
         found.append(_margin(drawn, sides, bounds, marks))
-    found.append(_fault_bars(sides[0], bounds))
+    found += _fault_bars(sides[0], bounds)
     for one in sides:
         shown = [column for column in one.columns.shown.columns if column.kind == "level"]
         pairs = [(one.columns, column) for column in shown if column.name in one.columns.values]
@@ -111,12 +117,12 @@ def _grouped(series: Sequence[Series]) -> list[list[Series]]:
 def _values(group: Sequence[Series], sides: Sequence[Side], bounds: tuple[float, float], marks: list[Area]) -> Chart:
     curves = []
     for place, series in enumerate(group):
-        for number, one in enumerate(sides):
+        for one in sides:
             alone = len(group) == 1
             label = one.label if alone else f"{series.text}: {one.label}"
-            colour = _COLOURS[number] if alone else str(place)
+            colour = _COLOURS[one.number] if alone else str(place)
             values, is_level = series.values(one.grid), bool(series.words)
-            curves.append(_curve(label, values, one, bounds, colour, number, series.unit, is_level))
+            curves.append(_curve(label, values, one, bounds, colour, series.unit, is_level))
     limits = {value: text for series in group for value, text in series.limits.items()}
     lines = [Area(None, (value, value), "line", f"limit {text}") for value, text in limits.items()]
     words = {value: word.replace("_", " ") for value, word in group[0].words.items()}
@@ -140,17 +146,14 @@ def _around(curves: Sequence[Curve], limits: Sequence[float]) -> Bounds:
 
 
 def _margin(drawn: DrawnSentence, sides: Sequence[Side], bounds: tuple[float, float], marks: list[Area]) -> Chart:
-    curves = [
-        _curve(one.label, drawn.margin(one.grid), one, bounds, _COLOURS[number], number, drawn.unit)
-        for number, one in enumerate(sides)
-    ]
+    curves = [_curve(one.label, drawn.margin(one.grid), one, bounds, _COLOURS[one.number], drawn.unit) for one in sides]
     unit = drawn.unit or "each comparison divided by its scale"
     return Chart(curves, "", f"margin of the condition ({unit})", bounds, _around(curves, [0.0]), [*marks, ZERO],
                  height_px=_HEIGHT_PX)  # fmt: skip
 
 
 def _curve(
-    label: str, values: FloatArray, one: Side, bounds: tuple[float, float], colour: str, number: int, unit: str,
+    label: str, values: FloatArray, one: Side, bounds: tuple[float, float], colour: str, unit: str,
     is_level: bool = False,
 ) -> Curve:  # fmt: skip
     """A value over time, with one tick beyond each bound."""
@@ -158,7 +161,7 @@ def _curve(
     first = max(0, int(bounds[0] * 1e9) // tick_ns - 1)
     after = min(count, int(bounds[1] * 1e9) // tick_ns + 3)
     time_s = np.arange(first, after, dtype=np.float64) * tick_ns / 1e9
-    width, dashes = _RUNS[number]
+    width, dashes = _RUNS[one.number]
     is_near = after - first < count
     return Curve(
         label, time_s, values[first:after], Look(colour, width, dashes), unit, is_step=is_level or is_near, run=-1
@@ -187,13 +190,14 @@ def _shortened(text: str) -> str:
     return text if len(text) <= _NAME_LETTERS else f"{text[: _NAME_LETTERS - 3]}..."
 
 
-def _fault_bars(one: Side, bounds: tuple[float, float]) -> Chart:
+def _fault_bars(one: Side, bounds: tuple[float, float]) -> list[Chart]:
+    """A bar for each fault of a run; empty: it has none."""
     events = [event for event in one.record.events if event.kind == FAULT]
     names = {float(-place): _shortened(f"{event.source} {event.cause}") for place, event in enumerate(events)}
     bars = [
         Area((event.time_s, event.time_s + event.lasted_s), (-place - 0.32, -place + 0.32), "fault", event.detail)
         for place, event in enumerate(events)
     ]
-    rows = max(1, len(events))
-    title, y_bounds = "faults" if events else "no fault", (0.5 - rows, 0.5)
-    return Chart([], "", title, bounds, y_bounds, bars, y_names=names or {0.0: ""}, height_px=_NAME_PX * rows)
+    rows = len(events)
+    chart = Chart([], "", "faults", bounds, (0.5 - rows, 0.5), bars, y_names=names, height_px=_NAME_PX * rows)
+    return [chart] if events else []

@@ -9,12 +9,11 @@ from typing import Any
 
 from railhil.batch.decision import Decision, decision_figure
 from railhil.charts.figure import Figure
-from railhil.common.digits import count_of
 from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
 from railhil.hunt.pictures import Side, figures, side
 from railhil.hunt.plan import Plan
-from railhil.hunt.show import headline, nearest, saved_sentence, tight_sentence, verdict_line
+from railhil.hunt.show import found_sentence, headline, nearest, saved_sentence, tight_sentence, verdict_line
 from railhil.judge.record import checked_record
 from railhil.judge.requirements.drawn import DrawnSentence
 from railhil.judge.requirements.names import Names
@@ -23,6 +22,7 @@ from railhil.judge.requirements.requirement import Requirement
 from railhil.record.documents import CERTIFICATE
 from railhil.record.trace import Trace
 from railhil.report.templates import render_page
+from railhil.study.execute import Outcome as Made
 
 #: Cases with figures; further ones have their table row and command alone.
 _DRAWN_MAX = 12
@@ -30,16 +30,19 @@ _DRAWN_MAX = 12
 _SIDES = (("", "case"), (PASSING, "nearest that passes"), (WITHOUT, "without the faults"))
 
 
-def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
+def page(plan: Plan, made: Made, recorded: str) -> str:
     """The report as one HTML document without external references.
 
-    :param summary: with the least cases as ``found``.
+    :param made: with the least cases as ``found`` in its summary.
+    :param recorded: as in :func:`~railhil.report.study_page.study_page`.
     """
+    summary = made.summary
     return render_page(
         "hunt.html.j2",
         "railhil.hunt",
         summary=summary,
         title=f"Hunt on {plan.scenario.title}",
+        recorded=recorded,
         law=f"{plan.base.law.label} {plan.base.law.arithmetic}",
         headline=headline(summary),
         verdict=verdict_line(summary),
@@ -54,7 +57,7 @@ def page(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
             for name, one in summary["strategies"].items()
         ],
         tight=[(one["id"], tight_sentence(one)) for one in summary.get("tight", ())],
-        cases=[_case(plan, one, folder, place < _DRAWN_MAX) for place, one in enumerate(summary["found"])],
+        cases=[_case(plan, one, made.folder, place < _DRAWN_MAX) for place, one in enumerate(summary["found"])],
     )
 
 
@@ -69,12 +72,10 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
     file = shlex.quote(f"{FOUND}/{one['name']}.toml")
     pictures: list[Figure] = figures(one["name"], sides, drawn, outcome) if sides else []
     decided = one.get("decided")
-    faults = count_of(len(one["from"]["faults"]), "fault")
-    shrunk = f"shrunk in {count_of(one['runs'], 'run')} from {faults} to {len(one['faults'])}"
     return {
         **one,
-        "found": f"in case {one['case']}, {shrunk if one['runs'] else 'not shrunk'}",
-        "drawn": draws_sentence(one.get("draws") or ()),
+        "found": found_sentence(one),
+        "drawn": draws_sentence(one["draws"]),
         "holds": [] if outcome is None else [(part.text, _holds(part)) for part in outcome.parts],
         "title": requirement.title if requirement else "",
         "source": requirement.source if requirement else "",

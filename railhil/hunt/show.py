@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhil.batch.decision import Decision
 from railhil.common.digits import count_of
-from railhil.hunt.draws import draws_sentence
+from railhil.hunt.draws import draws_sentence, size_words
 from railhil.hunt.found import FOUND
 from railhil.hunt.oracle import BENCH
 from railhil.judge.requirements.sentence import SILENT
@@ -84,14 +84,8 @@ def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
     draws = [draws_sentence(one["draws"])] if one["draws"] else []
     for text in [*one["faults"], *draws] or ["(without any fault)"]:
         yield f"    {text}"
-    before = one["from"]["faults"]
-    shrunk = (
-        f"shrunk in {count_of(one['runs'], 'run')} from {count_of(len(before), 'fault')} to {len(one['faults'])}"
-        if one["runs"]
-        else "not shrunk"
-    )
     saved = f"; {text}" if (text := saved_sentence(one)) else ""
-    yield f"    found in case {one['case']}, {shrunk}{saved}"
+    yield f"    found {found_sentence(one)}{saved}"
     if one["longer_pass"]:
         factors = ", ".join(f"x{factor:g}" for factor in one["longer_pass"])
         yield f"    not monotone: longer ones pass ({factors})"
@@ -99,6 +93,13 @@ def _least(one: Mapping[str, Any], folder: Path) -> Iterator[str]:
     yield f"    railhil run {file}{one['options']}"
     repeats = "" if one["is_repeatable"] else "  NOT REPEATED by its file"
     yield f"    sha256 {one['frames_sha256'][:_DIGEST]}...{repeats}"
+
+
+def found_sentence(one: Mapping[str, Any]) -> str:
+    """In which case a least case was found, and from what it was shrunk."""
+    before, after = (size_words(case["faults"], case["draws"]) for case in (one["from"], one))
+    shrunk = f"shrunk in {count_of(one['runs'], 'run')} from {before} to {after}" if one["runs"] else "not shrunk"
+    return f"in case {one['case']}, {shrunk}"
 
 
 def tight_sentence(one: Mapping[str, Any]) -> str:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -23,13 +21,12 @@ from railhil.hunt.tighten import read_tight, tighten
 from railhil.judge.requirements.outcome import NOT_JUDGED
 from railhil.judge.requirements.requirement import Requirement
 from railhil.judge.requirements.sentence import SILENT
-from railhil.scenarios.given import KEY, RecordedController, is_law_name
+from railhil.scenarios.given import KEY, is_law_name
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome
-from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
-from railhil.study.manifest import read_manifest
+from railhil.study.finished import Verified, differences
 from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
@@ -243,16 +240,21 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return INVALID if 2 * made.summary["valid"] < made.summary["runs"] else PASS
 
 
-def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.hunt.report import page
-    from railhil.report.templates import write_html
-
-    write_html(page(plan, made.summary, made.folder), path)
-
-
 def _explained(plan: Plan) -> Mapping[str, Any]:
     given = plan.base.law.given
     return {} if given is None else {KEY: given.as_json()}
+
+
+def _controllers(request: Request, identity: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    return {} if is_law_name(request.controller) else {request.controller: identity}
+
+
+def _completed(made: Outcome) -> Outcome:
+    found = read_found(made.folder)
+    if found is None:
+        allowed = "the least cases of a finished hunt (--resume finishes it)"
+        raise InputError(made.folder, FOUND, Words("unfinished"), allowed)
+    return replace(made, summary={**made.summary, "found": found, "tight": read_tight(made.folder)})
 
 
 HUNT: Study[Plan, Chunk] = Study(
@@ -267,34 +269,11 @@ HUNT: Study[Plan, Chunk] = Study(
     explained=_explained,
     items=lambda plan: plan.request.runs,
     repeat=_repeat,
-    page=_page,
+    page="railhil.hunt.report:page",
     lines=lines,
     finish=finish,
+    completed=_completed,
+    controllers=_controllers,
     exit_code=exit_code,
     cut=cut,
 )
-
-
-def report_of(folder: Path, out: Path) -> None:
-    """Write the page of a finished hunt from its folder.
-
-    :raises InputError: the hunt is not finished, damaged, changed, or of a scenario that has changed since.
-    :raises OSError: it cannot be written.
-    """
-    from railhil.hunt.report import page
-    from railhil.report.templates import write_html
-
-    begun = read_manifest(folder, HUNT)
-    text, code = begun.request.controller, {}
-    if not is_law_name(text):
-        file = folder / HUNT.manifest
-        # It is named as in the hunt, and not loaded.
-        code[text] = RecordedController.of_identity(text, begun.identity, begun.identity["arithmetic"], file)
-    plan, _ = repeated_plan(replace(HUNT, make_plan=partial(make_plan, code=code)), folder)
-    found = read_found(folder)
-    if found is None:
-        raise InputError(
-            folder, FOUND, Words("unfinished"), "the least cases of a finished hunt (--resume finishes it)"
-        )
-    further = {"found": found, "tight": read_tight(folder)}
-    write_html(page(plan, {**finished_summary(HUNT, folder), **further}, folder), out)

@@ -1,5 +1,5 @@
 """``report.html`` of a probability: the levels, the repetitions with the interval, and the causes; a function of the
-summary."""
+folder."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
 from railhil.report.study_page import study_page
+from railhil.study.execute import Outcome
 
 _HEIGHT_PX, _BAR_PX = 200, 22
 #: Causes with a smaller share have no bar.
 _CAUSE_MIN = 0.005
 
 
-def page(plan: Plan, summary: Mapping[str, Any]) -> str:
-    """The report as one HTML document without external references."""
+def page(plan: Plan, made: Outcome, recorded: str) -> str:
+    """The report as one HTML document; ``recorded`` as in :func:`~railhil.report.study_page.study_page`."""
+    summary = made.summary
     first, *told = (line.strip() for line in lines(plan, summary, Path()))
     figures = [
         one
@@ -29,7 +31,8 @@ def page(plan: Plan, summary: Mapping[str, Any]) -> str:
         if one is not None
     ]
     title = f"Probability on {plan.scenario.title}"
-    return study_page(title, f"{first}: {plan.requirement.says}", [*told[:-1], *figures], warnings=told[-1:])
+    lead = f"{first}: {plan.requirement.says}"
+    return study_page(title, lead, [*told[:-1], *figures], warnings=told[-1:], recorded=recorded)
 
 
 def _decision(summary: Mapping[str, Any]) -> Figure | None:

@@ -88,7 +88,7 @@ def _causes(causes: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _verdict(plan: Plan, summary: Mapping[str, Any]) -> str:
-    at_most, low, high = plan.request.at_most, summary["low"], summary["high"]
+    at_most, low, high = summary["at_most"], summary["low"], summary["high"]
     if low is not None and low > at_most:
         return f"FAIL: P lies above {at_most:.3g}, the bound of --at-most"
     if not summary["is_resolved"]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from railhil.record.documents import SUMMARY
 from railhil.scenarios.scenario_documents import any_judged_sha256
 from railhil.study.engines import Engine, Say
 from railhil.study.execute import Outcome, execute
-from railhil.study.finished import Verified, differences, finished_summary, repeated_plan
+from railhil.study.finished import Verified, differences
 from railhil.study.plan import Study, bench_sha256, code_of
 from railhil.study.table import NotThePart, row
 
@@ -259,11 +258,11 @@ def exit_code(plan: Plan, made: Outcome) -> int:
     return PASS if made.summary["is_resolved"] and is_decided else INVALID
 
 
-def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.probability.report import page
-    from railhil.report.templates import write_html
-
-    write_html(page(plan, made.summary), path)
+def _completed(made: Outcome) -> Outcome:
+    if "least" not in made.summary:
+        allowed = "the summary of a finished probability (--resume finishes it)"
+        raise InputError(made.folder / SUMMARY, "least", Words("missing"), allowed)
+    return made
 
 
 PROBABILITY: Study[Plan, Chunk] = Study(
@@ -277,27 +276,11 @@ PROBABILITY: Study[Plan, Chunk] = Study(
     summary=summary,
     items=lambda plan: sum(chunk.runs for chunk in plan.chunks()),
     repeat=_repeat,
-    page=_page,
+    page="railhil.probability.report:page",
     lines=lines,
     finish=_complete,
+    completed=_completed,
     exit_code=exit_code,
     grown=lambda plan, rows: plan.grown(len(set(rows["repetition"].to_pylist()))),
     unit="repetition",
 )
-
-
-def report_of(folder: Path, out: Path) -> None:
-    """Write the page of a finished study from its folder.
-
-    :raises InputError: it is not finished, damaged, changed, or of a scenario that has changed since.
-    :raises OSError: it cannot be written.
-    """
-    from railhil.probability.report import page
-    from railhil.report.templates import write_html
-
-    summary = finished_summary(PROBABILITY, folder)
-    if "least" not in summary:
-        allowed = "the summary of a finished probability (--resume finishes it)"
-        raise InputError(folder / SUMMARY, "least", Words("missing"), allowed)
-    plan, _ = repeated_plan(PROBABILITY, folder, at_most=summary.get("at_most"))
-    write_html(page(plan, summary), out)

@@ -39,10 +39,14 @@ def study_page(
     parts: Sequence[Part],
     verdicts: Sequence[tuple[str, str]] = (),
     warnings: Sequence[str] = (),
+    recorded: str = "",
 ) -> str:
     """The page as one HTML document.
 
     :param lead: what was done. ``verdicts``: a badge (it begins with PASS, FAIL or INVALID) and what it is about.
     :param warnings: sentences below the verdicts.
+    :param recorded: when, where, by whom and with which version it was begun, in a sentence.
     """
-    return render_page("study.html.j2", title=title, lead=lead, parts=parts, verdicts=verdicts, warnings=warnings)
+    return render_page(
+        "study.html.j2", title=title, lead=lead, parts=parts, verdicts=verdicts, warnings=warnings, recorded=recorded
+    )

@@ -56,8 +56,8 @@ def report_of(folder: Path, out: Path) -> None:
     ]
     title = f"Sequence on {runs[0].scenario.title}"
     lead = f"{finished} of {law.label} in {law.arithmetic}, each with the memory that the one before has left."
-    lead += f" {recorded_sentence([run.certificate for run in runs])}"
-    write_html(study_page(title, lead, parts, counts), out)
+    recorded = recorded_sentence([run.certificate for run in runs])
+    write_html(study_page(title, lead, parts, counts, recorded=recorded), out)
 
 
 def _table(criteria: Sequence[Criterion], made: Sequence[Made], runs: Sequence[Record], out: Path) -> Table:

@@ -21,14 +21,13 @@ from railhil.sequences.pictures import figures
 from railhil.sequences.plan import Plan
 from railhil.sequences.show import converged
 from railhil.sequences.table import memories
+from railhil.study.execute import Outcome
 from railhil.study.table import row as row_of
 
 
-def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
-    """The report as one HTML document.
-
-    :param table: rows of ``results.parquet``.
-    """
+def page(plan: Plan, made: Outcome, recorded: str) -> str:
+    """The report as one HTML document; ``recorded`` as in :func:`~railhil.report.study_page.study_page`."""
+    summary, table = made.summary, made.table
     kind = "perturbed" if summary["perturbed"] else "nominal"
     runs = f"{count_of(summary['sequences'], 'sequence')} of {count_of(summary['runs'], f'{kind} run')}"
     lead = (
@@ -46,7 +45,7 @@ def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
         Table("facts", "Facts", (), _facts(plan, summary), "facts"),
     ]
     counts = [(verdict, count_of(count, "run")) for verdict, count in summary["verdicts"].items()]
-    return study_page(f"Learning on {plan.scenario.title}", lead, parts, counts, said)
+    return study_page(f"Learning on {plan.scenario.title}", lead, parts, counts, said, recorded)
 
 
 def _by_run(measure: Mapping[str, Any]) -> Table:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import pyarrow as pa
 
@@ -17,8 +16,7 @@ from railhil.sequences.plan import OWN_CODE, Chunk, Plan, Request, make_plan, ru
 from railhil.sequences.show import lines
 from railhil.sequences.summary import summary
 from railhil.sequences.table import check_rows, row, schema
-from railhil.study.execute import Outcome
-from railhil.study.finished import Verified, differences, finished_rows, finished_summary, repeated_plan
+from railhil.study.finished import Verified, differences
 from railhil.study.plan import Study, code_of
 from railhil.study.table import row as row_of
 
@@ -55,13 +53,6 @@ def _repeat(plan: Plan, rows: pa.Table, place: int) -> Iterator[Verified]:
         yield Verified(f"sequence {seed}, run {number}", which, differences(ours, bench))
 
 
-def _page(plan: Plan, made: Outcome, path: Path) -> None:
-    from railhil.report.templates import write_html
-    from railhil.sequences.report import page
-
-    write_html(page(plan, made.summary, made.table), path)
-
-
 LEARN: Study[Plan, Chunk] = Study(
     name="learn",
     kind="study",
@@ -73,16 +64,6 @@ LEARN: Study[Plan, Chunk] = Study(
     summary=summary,
     items=lambda plan: len(plan.seeds),
     repeat=_repeat,
-    page=_page,
+    page="railhil.sequences.report:page",
     lines=lines,
 )
-
-
-def report_of(folder: Path, out: Path) -> None:
-    """Write the report of a finished study from its folder.
-
-    :raises InputError: the study is not finished, damaged, changed, or of a scenario that has changed since.
-    :raises OSError: it cannot be written.
-    """
-    plan, _ = repeated_plan(LEARN, folder)
-    _page(plan, Outcome(folder, finished_rows(LEARN, plan, folder), finished_summary(LEARN, folder)), out)

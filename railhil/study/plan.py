@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
@@ -88,9 +88,13 @@ class Study(Generic[P, C]):
     raises NotThePart. ``work``: (plan, chunk) -> the work of a worker. ``summary``: (plan, rows) -> ``summary.json``.
     ``explained``: (plan) -> further entries of the manifest for people. ``items``: (plan) -> how many there are of what
     ``--verify`` makes again; ``repeat``: (plan, rows, place of one) -> its runs made again on the bench, and how they
-    differ. ``lines``: (plan, summary, folder) -> what is printed of the results, lines and tables. ``page``: (plan,
-    outcome, file) writes its page; None: only ``railhil report`` does. ``finish``: (plan, outcome, engine, say) -> the
-    outcome with what is made of all rows by further runs. ``exit_code``: (plan, outcome) -> of the finished command.
+    differ. ``lines``: (plan, summary, folder) -> what is printed of the results, lines and tables. ``page``:
+    ``module:function`` of (plan, outcome, sentence of its origin) -> its page, which needs the extra ``report``; empty:
+    it has none. ``ends_with_page``: whether the page is written at the end; else only ``railhil report`` writes it.
+    ``finish``: (plan, outcome, engine, say) -> the outcome with what is made of all rows by further runs;
+    ``completed``: (outcome without these) -> the same, read from its folder; raises InputError. ``controllers``:
+    (request, identity) -> entries of the identity of the user's controllers, by their texts. ``exit_code``: (plan,
+    outcome) -> of the finished command.
     ``cut``: (plan, n) -> the plan of its first n chunks, for a study that may end by time; None: it may not. ``grown``:
     (plan, rows) -> the plan with the chunks of these rows, where ``finish`` adds some. ``unit``: what a row is.
     """
@@ -107,8 +111,11 @@ class Study(Generic[P, C]):
     repeat: Callable[[P, pa.Table, int], Iterable[Verified]]
     lines: Callable[[P, Mapping[str, Any], Path], Iterable[str | Text | Table]]
     explained: Callable[[P], Mapping[str, Any]] = lambda plan: {}
-    page: Callable[[P, Outcome, Path], None] | None = None
+    page: str = ""
+    ends_with_page: bool = True
     finish: Callable[[P, Outcome, Engine, Say], Outcome] = lambda plan, made, engine, say: made
+    completed: Callable[[Outcome], Outcome] = lambda made: made
+    controllers: Callable[[Any, Mapping[str, Any]], Mapping[str, Mapping[str, Any]]] = lambda request, identity: {}
     exit_code: Callable[[P, Outcome], int] = lambda plan, made: PASS
     cut: Callable[[P, int], P] | None = None
     grown: Callable[[P, pa.Table], P] = lambda plan, rows: plan
@@ -125,8 +132,21 @@ class Study(Generic[P, C]):
         return f"{self.name}.json"
 
     def report(self, plan: P, made: Outcome) -> str:
-        """Write the page; returns the line of :func:`~railhil.run.report.say_report`, empty if it has none."""
-        return "" if self.page is None else say_report(made.folder, partial(self.page, plan, made))
+        """Write the page; returns the line of :func:`~railhil.run.report.say_report`, empty if it does not end with
+        one."""
+
+        def write(path: Path) -> None:
+            from railhil.study.pages import write_page
+
+            write_page(self, plan, made, path)
+
+        return say_report(made.folder, write) if self.page and self.ends_with_page else ""
+
+    def report_of(self, folder: Path, out: Path) -> None:
+        """:func:`railhil.study.pages.report_of`."""
+        from railhil.study.pages import report_of
+
+        report_of(self, folder, out)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from railhil.campaign.summary import summary
 from railhil.common.output import Output
 from railhil.judge.score import Score
 from railhil.judge.stops import PlannedStop, ScoredStop, Standstill
+from railhil.study.execute import Outcome
 
 
 def made(
@@ -170,7 +171,7 @@ def test_the_worst_stop_of_each_run_is_a_column_and_is_counted_by_its_name(tmp_p
     text = capsys.readouterr().out
     assert "Runs by their worst stop" in text
     assert "worst stop 2 B +0.2000 m" in text
-    written = page(plan, found, table, tmp_path, "")
+    written = page(plan, Outcome(tmp_path, table, found), "")
     assert "Runs by their worst stop" in written
     assert re.search(r">4 D</td><td[^>]*>2</td><td[^>]*>-0.0500<", written)
 

@@ -19,7 +19,15 @@ from railhil.faults.random_faults import Sent
 from railhil.hunt import found as found_module
 from railhil.hunt import least as least_module
 from railhil.hunt import plan, study
-from railhil.hunt.draws import DESCENT_RUNS, Draws, descend_rows, draws_sentence, random_draws, shrink_draws
+from railhil.hunt.draws import (
+    DESCENT_RUNS,
+    Draws,
+    descend_rows,
+    draws_sentence,
+    random_draws,
+    shrink_draws,
+    size_words,
+)
 from railhil.hunt.least import ShrinkTask, shrink_case
 from railhil.hunt.oracle import Judged
 from railhil.hunt.plan import Request, make_plan
@@ -111,6 +119,22 @@ def test_the_least_draws_are_nearest_to_the_middle_of_their_ranges(sentences: st
     assert (again.shrunk.faults, again.draws) == ((), least.draws)
     assert again.shrunk.runs <= 30
     assert draws_sentence(least.draws).endswith("2 of 15 not 0")
+
+
+@pytest.mark.parametrize(
+    ("faults", "draws", "said"),
+    [
+        ((), (), "nothing"),
+        (("a", "b"), (), "2 faults"),
+        ((), (0.0, 3.0, -4.0), "2 draws not nominal (length 5)"),
+        (("a",), (0.0, 0.5), "1 fault and 1 draw not nominal (length 0.5)"),
+        (("a",), (0.0, 0.0), "1 fault"),
+    ],
+)
+def test_the_size_of_a_case_is_that_of_its_faults_and_of_its_draws(
+    faults: tuple[str, ...], draws: Draws, said: str
+) -> None:
+    assert size_words(faults, draws) == said
 
 
 @given(st.lists(st.floats(-8, 8), min_size=1, max_size=6).map(tuple), st.floats(0.1, 5.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,8 @@ def test_the_tightest_bound_that_held_is_a_sentence_that_the_nearest_case_keeps(
 @pytest.mark.slow
 def test_the_page_is_written_again_from_the_folder(found: HuntOutcome, tmp_path: Path) -> None:
     written = (found.folder / "report.html").read_bytes()
+    recorded = json.loads((found.folder / "hunt.json").read_text())["recorded"]
+    assert f"UTC on {recorded['host']} by {recorded['operator']} with railhil " in written.decode()
     done = railhil_command("report", found.folder, "--out", tmp_path / "again.html")
     assert done.exit_code == 0, done.err
     assert (tmp_path / "again.html").read_bytes() == written

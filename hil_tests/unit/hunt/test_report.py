@@ -18,6 +18,7 @@ from railhil.hunt.oracle import run_case
 from railhil.hunt.plan import Plan, Request, make_plan
 from railhil.hunt.report import page
 from railhil.hunt.shrink import Shrunk
+from railhil.study.execute import Outcome
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -55,6 +56,12 @@ def hunted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Plan, dict[str, An
     return plan, summary, folder
 
 
+def page_with(hunted: tuple[Plan, dict[str, Any], Path], **changes: Any) -> str:
+    """The page with other entries of the least case."""
+    plan, summary, folder = hunted
+    return page(plan, Outcome(folder, None, {**summary, "found": [{**summary["found"][0], **changes}]}), "")
+
+
 def test_beside_a_least_case_stand_the_run_without_its_faults_and_the_nearest_that_passes(
     hunted: tuple[Plan, dict[str, Any], Path],
 ) -> None:
@@ -73,15 +80,12 @@ def test_the_page_marks_the_part_that_fails_and_says_up_to_when_the_run_can_be_s
     hunted: tuple[Plan, dict[str, Any], Path],
 ) -> None:
     plan, summary, folder = hunted
-    text = page(plan, summary, folder)
-    assert text == page(plan, summary, folder)
+    text = page(plan, Outcome(folder, None, summary), "")
+    assert text == page(plan, Outcome(folder, None, summary), "")
     assert '<mark class="fails">train_level &gt;= service_brake</mark>' in text
     assert '<span class="given">age(TRN_SPEED) &gt; 20 ms</span>' in text
     assert "<b>loss</b>" not in text
     assert "<th>Draws</th>" not in text
-    drawn = {**summary, "found": [{**summary["found"][0], "draws": [0.0, 0.6, 0.8]}]}
-    said = "draws of length 1 (standard deviations), 2 of 3 not 0"
-    assert f"<th>Draws</th><td>{said}</td>" in page(plan, drawn, folder)
     no_return = summary["found"][0]["no_return"]
     said = f"at {no_return['saved_s']:g} s still saves the run, at {no_return['lost_s']:g} s not"
     assert said in text
@@ -92,9 +96,23 @@ def test_the_page_marks_the_part_that_fails_and_says_up_to_when_the_run_can_be_s
     assert text.count('class="fault"') > 4
 
 
+def test_a_case_without_faults_says_from_what_its_draws_were_shrunk_and_has_no_strip_of_faults(
+    hunted: tuple[Plan, dict[str, Any], Path],
+) -> None:
+    # Its only run is that without faults.
+    least = {"name": f"SPEED-1{WITHOUT}", "faults": [], "draws": [0.0, 0.6, 0.8]}
+    text = page_with(hunted, **least, **{"from": {"faults": [], "draws": [-2.0, 2.0, 1.0]}})
+    assert "<th>Draws</th><td>draws of length 1 (standard deviations), 2 of 3 not 0</td>" in text
+    shrunk = "from 3 draws not nominal (length 3) to 2 draws not nominal (length 1)"
+    assert f"<td>in case 3, shrunk in 12 runs {shrunk}</td>" in text
+    assert "none: the draws alone violate it" in text
+    assert "<b>level: case</b>" in text
+    for absent in ("no fault", "<b>faults</b>", "dashed: ", "dotted: "):
+        assert absent not in text, absent
+
+
 def test_a_case_whose_run_was_not_recorded_has_no_figure(hunted: tuple[Plan, dict[str, Any], Path]) -> None:
-    plan, summary, folder = hunted
-    text = page(plan, {**summary, "found": [{**summary["found"][0], "name": "SPEED-9"}]}, folder)
+    text = page_with(hunted, name="SPEED-9")
     assert "not recorded far enough" in text
     assert 'class="chart"' not in text
 
@@ -102,8 +120,7 @@ def test_a_case_whose_run_was_not_recorded_has_no_figure(hunted: tuple[Plan, dic
 def test_a_rule_of_every_run_has_no_sentence_and_the_whole_run_as_its_figure(
     hunted: tuple[Plan, dict[str, Any], Path],
 ) -> None:
-    plan, summary, folder = hunted
-    text = page(plan, {**summary, "found": [{**summary["found"][0], "id": "INV-4", "says": "left too early"}]}, folder)
+    text = page_with(hunted, id="INV-4", says="left too early")
     assert '<p class="says">left too early</p>' in text
     assert text.count('<figure id="SPEED-1-whole">') == 1
     assert "What decides" not in text
@@ -114,7 +131,7 @@ def test_a_rule_of_every_run_has_no_sentence_and_the_whole_run_as_its_figure(
 def test_page_as_shown(hunted: tuple[Plan, dict[str, Any], Path], tmp_path: Path, width_px: int) -> None:
     plan, summary, folder = hunted
     out = tmp_path / "report.html"
-    out.write_text(page(plan, summary, folder), encoding="utf-8")
+    out.write_text(page(plan, Outcome(folder, None, summary), ""), encoding="utf-8")
     found: dict[str, Any] = asked(out, TEXTS_OF_CHARTS, width_px)
     assert found["fetched"] == []
     assert (found["overlaps"], found["outside"]) == ([], [])

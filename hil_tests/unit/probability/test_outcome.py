@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from railhil.campaign.study import CAMPAIGN
 from railhil.hunt.study import HUNT
 from railhil.probability.outcome import ProbabilityOutcome
 from railhil.probability.study import PROBABILITY
-from railhil.record.hash_list import DOCUMENTS
+from railhil.record.hash_list import DOCUMENTS, write_hash_list
 from railhil.sequences.study import LEARN
 
 SHORT: dict[str, Any] = {"says": STOP, "controller": "ipfc_plus_stop", "points": 500, "accuracy": 0.4, "seed": 3}
@@ -90,6 +91,7 @@ def test_without_a_violation_there_is_no_interval_and_no_least_disturbance(
 
 def test_an_unfinished_study_has_no_page(found: ProbabilityOutcome, tmp_path: Path) -> None:
     (tmp_path / "p/summary.json").unlink()
+    write_hash_list(tmp_path / "p")
     done = command("report", tmp_path / "p")
     assert done.exit_code == 2
     assert "has no summary.json" in done.one_line()
@@ -103,6 +105,7 @@ def test_the_page_has_levels_repetitions_and_causes_and_is_written_again_from_th
     for name in ("levels", "repetitions", "causes"):
         assert f'<figure id="{name}">' in text
     assert "mass factor: " in text
+    assert re.search(r"Recorded [-\d]{10} [:\d]{5} UTC on .* with railhil ", text)
     assert f"P = {found.p:.2g}" in text
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     done = command("report", tmp_path / "p", "--out", tmp_path / "again.html")

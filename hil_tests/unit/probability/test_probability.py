@@ -116,7 +116,8 @@ def test_a_rare_event_of_two_sides_is_found_with_its_interval_and_said_with_what
     assert not any("safe" in line or "verified" in line for line in told)
     said = "decided between 0 and 2.5 s: 3 of 64 ... 64 of 64 continuations with new noise from there fail"
     assert said in map(str.strip, told)
-    text = page(made_plan, found)
+    text = page(made_plan, made, "Recorded today.")
+    assert "Recorded today." in text
     assert '<figure id="decision">' in text
     assert "from 2.5 s: 64 of 64 fail" in text
 

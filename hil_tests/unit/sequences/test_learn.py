@@ -60,6 +60,8 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert "8 of 8 runs are the same on the bench" in capsys.readouterr().out
     page = (tmp_path / "one" / "report.html").read_text()
     assert f"report {tmp_path / 'one' / 'report.html'}" in said
+    recorded = json.loads((tmp_path / "one" / "learn.json").read_text())["recorded"]
+    assert f"UTC on {recorded['host']} by {recorded['operator']} with railhil " in page
     for text in ("Learning: stop error", "Distribution: stop error", "What the law keeps", "Two runs of the first seq"):
         assert text in page
     # A single file that opens offline, the same for the same results.
