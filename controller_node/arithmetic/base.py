@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
@@ -233,9 +234,9 @@ class Arithmetic(ABC, Generic[T]):
     def maximum(self, a: T, b: T) -> T:
         """Larger of the two."""
 
-    @abstractmethod
-    def gt(self, a: T, b: T) -> Condition:
+    def gt(self, a: Any, b: Any) -> Condition:
         """Condition a > b."""
+        return a > b
 
     @abstractmethod
     def where(self, condition: Condition, a: T, b: T) -> T:
@@ -249,9 +250,9 @@ class Arithmetic(ABC, Generic[T]):
     def table(self, name: str, constants: Sequence[Constant]) -> Any:
         """Constants of one format as a table for :meth:`at` and :meth:`locate`."""
 
-    @abstractmethod
     def at(self, table: Any, index: Any, offset: int = 0) -> T:
         """Entry ``index + offset`` of a table; the index comes from :meth:`locate` or :meth:`index`."""
+        return table[index + offset]  # type: ignore[no-any-return]
 
     @abstractmethod
     def index(self, k: Any, last: int) -> Any:
@@ -267,3 +268,22 @@ class Arithmetic(ABC, Generic[T]):
         :raises TypeError: an arithmetic whose :attr:`solves` is false.
         """
         raise TypeError(f"{self.name} cannot solve {problem.name}")
+
+
+class OneTrain(Arithmetic[T]):
+    """Choices between two numbers, and places in tables, as they are for one train in every number system."""
+
+    def minimum(self, a: Any, b: Any) -> Any:
+        return a if a < b else b
+
+    def maximum(self, a: Any, b: Any) -> Any:
+        return a if a > b else b
+
+    def where(self, condition: Condition, a: T, b: T) -> T:
+        return a if condition else b
+
+    def index(self, k: Any, last: int) -> Any:
+        return min(max(k, 0), last)
+
+    def locate(self, table: Any, a: T) -> Any:
+        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)

@@ -24,11 +24,10 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from array import array
-from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Condition, Constant, Curve, T
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Curve, OneTrain, T
 
 #: Smallest normal and largest number of the format.
 FLT_MIN = 2.0**-126
@@ -133,14 +132,8 @@ class Single(Arithmetic[T]):
     def clip(self, a: T, upper: T, lower: T) -> T:
         return self.minimum(self.maximum(a, lower), upper)
 
-    def gt(self, a: Any, b: Any) -> Condition:
-        return a > b
 
-    def at(self, table: Any, index: Any, offset: int = 0) -> T:
-        return table[index + offset]  # type: ignore[no-any-return]
-
-
-class Float32(Single[float]):
+class Float32(Single[float], OneTrain[float]):
     """Single precision for one train, rounding to nearest even."""
 
     def operand(self, value: Any) -> float:
@@ -184,15 +177,6 @@ class Float32(Single[float]):
     def sqrt(self, a: float, q: int) -> float:
         return self.operand(math.sqrt(a)) if a > 0 else 0.0
 
-    def minimum(self, a: float, b: float) -> float:
-        return a if a < b else b
-
-    def maximum(self, a: float, b: float) -> float:
-        return a if a > b else b
-
-    def where(self, condition: Condition, a: float, b: float) -> float:
-        return a if condition else b
-
     def curve(self, curve: Curve, a: float) -> float:
         scaled = a * 256.0
         index = int(min(scaled, LAST_CELL))
@@ -201,12 +185,6 @@ class Float32(Single[float]):
 
     def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return self.load(constants)
-
-    def index(self, k: Any, last: int) -> Any:
-        return min(max(k, 0), last)
-
-    def locate(self, table: Any, a: float) -> Any:
-        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
 
 
 class Float32Truncated(Float32):

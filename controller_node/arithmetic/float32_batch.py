@@ -8,7 +8,8 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Condition, Constant, Curve
+from railhil.controller_node.arithmetic.arrays import ManyTrains
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Constant, Curve
 from railhil.controller_node.arithmetic.float32 import (
     ESTIMATE_BITS,
     FLT_MAX,
@@ -22,7 +23,7 @@ from railhil.controller_node.arithmetic.float32 import (
 Singles: TypeAlias = NDArray[np.float32]
 
 
-class Float32Batch(Single[Singles]):
+class Float32Batch(Single[Singles], ManyTrains[Singles]):
     """Single precision for N trains, rounding to nearest even; operands are float32 of shape (N,) or common to all."""
 
     def _fit(self, value: Any) -> Any:
@@ -78,15 +79,6 @@ class Float32Batch(Single[Singles]):
     def sqrt(self, a: Singles, q: int) -> Any:
         return self._fit(np.sqrt(np.maximum(a, np.float32(0.0)), dtype=np.float64))
 
-    def minimum(self, a: Singles, b: Singles) -> Singles:
-        return np.minimum(a, b)
-
-    def maximum(self, a: Singles, b: Singles) -> Singles:
-        return np.maximum(a, b)
-
-    def where(self, condition: Condition, a: Singles, b: Singles) -> Singles:
-        return np.where(condition, a, b)
-
     def curve(self, curve: Curve, a: Singles) -> Any:
         samples = self.table(curve.name, curve.samples)
         scaled = np.asarray(a, dtype=np.float32) * np.float32(256.0)
@@ -97,12 +89,6 @@ class Float32Batch(Single[Singles]):
 
     def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return np.array([nearest(constant.value) for constant in constants], dtype=np.float32)
-
-    def index(self, k: Any, last: int) -> Any:
-        return np.clip(k, 0, last)
-
-    def locate(self, table: Any, a: Singles) -> Any:
-        return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)
 
 
 class Float32TruncatedBatch(Float32Batch):

@@ -8,14 +8,14 @@ evaluate the same operations in the same order, and functions element by element
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, Problem, T
+from railhil.controller_node.arithmetic.arrays import ManyTrains
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Curve, OneTrain, Problem, T
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -64,17 +64,11 @@ class _Double(Arithmetic[T]):
             total = total + coefficient * value
         return total
 
-    def gt(self, a: Any, b: Any) -> Condition:
-        return a > b
-
-    def at(self, table: Any, index: Any, offset: int = 0) -> T:
-        return table[index + offset]  # type: ignore[no-any-return]
-
     def sat(self, a: T, upper: T, lower: T) -> T:
         return self.clip(a, upper, lower)
 
 
-class Float64(_Double[float]):
+class Float64(_Double[float], OneTrain[float]):
     """Double precision for one train."""
 
     def raw(self, a: float, q: int) -> Any:
@@ -100,9 +94,6 @@ class Float64(_Double[float]):
     def maximum(self, a: float, b: float) -> float:
         return max(a, b)
 
-    def where(self, condition: Condition, a: float, b: float) -> float:
-        return a if condition else b
-
     def curve(self, curve: Curve, a: float) -> float:
         return curve.function(a)
 
@@ -112,17 +103,11 @@ class Float64(_Double[float]):
     def sqrt(self, a: float, q: int) -> float:
         return math.sqrt(a) if a > 0 else 0.0
 
-    def index(self, k: Any, last: int) -> Any:
-        return min(max(k, 0), last)
-
-    def locate(self, table: Any, a: float) -> Any:
-        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
-
     def solve(self, problem: Problem, values: Sequence[float]) -> tuple[float, ...]:
         return tuple(problem.function(values))
 
 
-class Float64Batch(_Double[Floats]):
+class Float64Batch(_Double[Floats], ManyTrains[Floats]):
     """Double precision for N trains; operands are arrays of shape (N,) or plain numbers common to all."""
 
     def raw(self, a: Floats, q: int) -> Any:
@@ -142,15 +127,6 @@ class Float64Batch(_Double[Floats]):
     def clip(self, a: Floats, upper: Floats, lower: Floats) -> Floats:
         return np.minimum(np.maximum(a, lower), upper)
 
-    def minimum(self, a: Floats, b: Floats) -> Floats:
-        return np.minimum(a, b)
-
-    def maximum(self, a: Floats, b: Floats) -> Floats:
-        return np.maximum(a, b)
-
-    def where(self, condition: Condition, a: Floats, b: Floats) -> Floats:
-        return np.where(condition, a, b)
-
     def curve(self, curve: Curve, a: Floats) -> Floats:
         # Evaluate each distinct number once: trains of one scenario often have equal values.
         values = np.ascontiguousarray(a, dtype=np.float64)
@@ -165,12 +141,6 @@ class Float64Batch(_Double[Floats]):
 
     def sqrt(self, a: Floats, q: int) -> Floats:
         return np.asarray(np.sqrt(np.maximum(a, 0.0)))
-
-    def index(self, k: Any, last: int) -> Any:
-        return np.clip(k, 0, last)
-
-    def locate(self, table: Any, a: Floats) -> Any:
-        return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)
 
     def solve(self, problem: Problem, values: Sequence[Floats]) -> tuple[Floats, ...]:
         # One after the other, so that each train has the bits that it has alone.

@@ -7,7 +7,6 @@ occur, so the common path of an operation is one expression and one comparison.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,9 +16,9 @@ from railhil.controller_node.arithmetic.base import (
     INT32_MIN,
     SATURATION,
     WRAP,
-    Condition,
     Constant,
     Curve,
+    OneTrain,
 )
 from railhil.controller_node.arithmetic.iq.interface import IqMath
 
@@ -32,7 +31,7 @@ def low32(exact: int) -> int:
     return ((exact + SIGN) & MASK) - SIGN
 
 
-class FixedPoint(IqMath[int]):
+class FixedPoint(IqMath[int], OneTrain[int]):
     """IQmath for one train."""
 
     def _wrapped(self, exact: int) -> int:
@@ -53,15 +52,6 @@ class FixedPoint(IqMath[int]):
     def shl(self, a: int, count: int) -> int:
         exact = a << count
         return exact if INT32_MIN <= exact <= INT32_MAX else self._wrapped(exact)
-
-    def shr(self, a: int, count: int) -> int:
-        return a >> count
-
-    def convert(self, a: int, q_from: int, q_to: int) -> int:
-        return self.shl(a, q_to - q_from) if q_to > q_from else a >> (q_from - q_to)
-
-    def quantise(self, a: int, q_from: int, q_to: int) -> int:
-        return self.rmpy(a, 1, q_from - q_to)
 
     def add(self, a: int, b: int) -> int:
         exact = a + b
@@ -124,18 +114,6 @@ class FixedPoint(IqMath[int]):
         limited = a if a < upper else upper
         return limited if limited > lower else lower
 
-    def minimum(self, a: int, b: int) -> int:
-        return a if a < b else b
-
-    def maximum(self, a: int, b: int) -> int:
-        return a if a > b else b
-
-    def gt(self, a: int, b: int) -> Condition:
-        return a > b
-
-    def where(self, condition: Condition, a: int, b: int) -> int:
-        return a if condition else b
-
     def curve(self, curve: Curve, a: int) -> int:
         cell_bits = curve.q_in - 8
         index = min(a >> cell_bits, 255)
@@ -144,15 +122,6 @@ class FixedPoint(IqMath[int]):
 
     def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return tuple(constant.raw for constant in constants)
-
-    def at(self, table: Any, index: Any, offset: int = 0) -> int:
-        return table[index + offset]  # type: ignore[no-any-return]
-
-    def index(self, k: Any, last: int) -> Any:
-        return min(max(k, 0), last)
-
-    def locate(self, table: Any, a: int) -> Any:
-        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
 
     def from_float(self, value: Any, q: int) -> int:
         # No format reaches further; ldexp would overflow for larger values.

@@ -12,13 +12,13 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.controller_node.arithmetic.arrays import ManyTrains
 from railhil.controller_node.arithmetic.base import (
     DIVISION_BY_ZERO,
     INT32_MAX,
     INT32_MIN,
     SATURATION,
     WRAP,
-    Condition,
     Constant,
     Counters,
     Curve,
@@ -29,7 +29,7 @@ from railhil.controller_node.arithmetic.iq.interface import IqMath
 Ints: TypeAlias = NDArray[np.int64]
 
 
-class FixedPointBatch(IqMath[Ints]):
+class FixedPointBatch(IqMath[Ints], ManyTrains[Ints]):
     """IQmath for N trains."""
 
     #: The profile for one train, used element by element for functions that are too rare or have too many branches for
@@ -80,15 +80,6 @@ class FixedPointBatch(IqMath[Ints]):
 
     def shl(self, a: Ints, count: int) -> Any:
         return self._wrap(a << count)
-
-    def shr(self, a: Ints, count: int) -> Any:
-        return a >> count
-
-    def convert(self, a: Ints, q_from: int, q_to: int) -> Any:
-        return self.shl(a, q_to - q_from) if q_to > q_from else a >> (q_from - q_to)
-
-    def quantise(self, a: Ints, q_from: int, q_to: int) -> Any:
-        return self.rmpy(a, 1, q_from - q_to)  # type: ignore[arg-type]
 
     def add(self, a: Ints, b: Ints) -> Any:
         return self._wrap(a + b)
@@ -146,18 +137,6 @@ class FixedPointBatch(IqMath[Ints]):
     def clip(self, a: Ints, upper: Ints, lower: Ints) -> Ints:
         return np.maximum(np.minimum(a, upper), lower)
 
-    def minimum(self, a: Ints, b: Ints) -> Ints:
-        return np.minimum(a, b)
-
-    def maximum(self, a: Ints, b: Ints) -> Ints:
-        return np.maximum(a, b)
-
-    def gt(self, a: Ints, b: Ints) -> Condition:
-        return a > b
-
-    def where(self, condition: Condition, a: Ints, b: Ints) -> Ints:
-        return np.where(condition, a, b)
-
     def curve(self, curve: Curve, a: Ints) -> Any:
         cell_bits = curve.q_in - 8
         # By identity, because comparing two curves means comparing 257 numbers. The curve is kept, so its id stays
@@ -173,15 +152,6 @@ class FixedPointBatch(IqMath[Ints]):
 
     def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return np.array([constant.raw for constant in constants], dtype=np.int64)
-
-    def at(self, table: Any, index: Any, offset: int = 0) -> Ints:
-        return table[index + offset]  # type: ignore[no-any-return]
-
-    def index(self, k: Any, last: int) -> Any:
-        return np.clip(k, 0, last)
-
-    def locate(self, table: Any, a: Ints) -> Any:
-        return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)
 
     def sqrt(self, a: Ints, q: int) -> Any:
         return self._each("sqrt", q, a)

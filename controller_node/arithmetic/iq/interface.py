@@ -52,9 +52,16 @@ class IqMath(Arithmetic[T]):
     def shl(self, a: T, count: int) -> T:
         """``a << count``, wrapping; count 0 to 31."""
 
-    @abstractmethod
-    def shr(self, a: T, count: int) -> T:
+    def shr(self, a: Any, count: int) -> Any:
         """``a >> count``, floor (arithmetic shift)."""
+        return a >> count
+
+    def convert(self, a: Any, q_from: int, q_to: int) -> Any:
+        return self.shl(a, q_to - q_from) if q_to > q_from else a >> (q_from - q_to)
+
+    def quantise(self, a: T, q_from: int, q_to: int) -> T:
+        one: Any = 1
+        return self.rmpy(a, one, q_from - q_to)
 
     @abstractmethod
     def sadd(self, a: T, b: T) -> T:

@@ -14,14 +14,31 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION, T
 from railhil.controller_node.arithmetic.iq import decimals, series
 from railhil.controller_node.arithmetic.iq import portable_functions as functions
 from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint, low32
 from railhil.controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
+from railhil.controller_node.arithmetic.iq.interface import IqMath
 
 
-class Portable(FixedPoint):
+class _Parts(IqMath[T]):
+    """Whole and fractional parts, which are those of floored numbers."""
+
+    def int_part(self, a: Any, q: int) -> Any:
+        return a >> q
+
+    def frac(self, a: Any, q: int) -> Any:
+        return a & ((1 << q) - 1)
+
+    def mpy_i32_int(self, a: Any, n: Any, q: int) -> Any:
+        return self.int_part(self.mpy_i32(a, n), q)
+
+    def mpy_i32_frac(self, a: Any, n: Any, q: int) -> Any:
+        return self.frac(self.mpy_i32(a, n), q)
+
+
+class Portable(_Parts[int], FixedPoint):
     """IQmath of the portable C library for one train, on plain ``int``."""
 
     name: ClassVar[str] = "iq-portable"
@@ -42,18 +59,6 @@ class Portable(FixedPoint):
                 return size if (a < 0) == (b < 0) else -size
         self._count(SATURATION, 1)
         return INT32_MAX if (a < 0) == (b < 0) else INT32_MIN
-
-    def int_part(self, a: int, q: int) -> int:
-        return a >> q
-
-    def frac(self, a: int, q: int) -> int:
-        return a & ((1 << q) - 1)
-
-    def mpy_i32_int(self, a: int, n: int, q: int) -> int:
-        return self.mpy_i32(a, n) >> q
-
-    def mpy_i32_frac(self, a: int, n: int, q: int) -> int:
-        return self.mpy_i32(a, n) & ((1 << q) - 1)
 
     def sqrt(self, a: int, q: int) -> int:
         return functions.root(a, q)
@@ -136,7 +141,7 @@ class Portable(FixedPoint):
         return decimals.portable_decimal(form, a, q)
 
 
-class PortableBatch(FixedPointBatch):
+class PortableBatch(_Parts[Ints], FixedPointBatch):
     """IQmath of the portable C library for N trains."""
 
     name: ClassVar[str] = "iq-portable"
@@ -164,15 +169,3 @@ class PortableBatch(FixedPointBatch):
         self._count_where(SATURATION, saturated)
         signed = np.where(saturated, np.where(negative, INT32_MIN, INT32_MAX), np.where(negative, -size, size))
         return np.where(by_zero, INT32_MAX, signed)
-
-    def int_part(self, a: Ints, q: int) -> Any:
-        return a >> q
-
-    def frac(self, a: Ints, q: int) -> Any:
-        return a & ((1 << q) - 1)
-
-    def mpy_i32_int(self, a: Ints, n: Ints, q: int) -> Any:
-        return self.mpy_i32(a, n) >> q
-
-    def mpy_i32_frac(self, a: Ints, n: Ints, q: int) -> Any:
-        return self.mpy_i32(a, n) & ((1 << q) - 1)
