@@ -76,22 +76,19 @@ export class Desk {
     this.tools.name.value = name;
     this.tools.reset.disabled = !this.own.desks[name];
     this.tools.which.replaceChildren(...there.map((id) => {
-      const label = element("label", {}), box = element("input", { type: "checkbox" });
+      const box = element("input", { type: "checkbox" });
       box.checked = shown.includes(id);
       box.addEventListener("change", () => this.hide(id, !box.checked));
-      label.append(box, ` ${id}`);
-      return label;
+      return element("label", {}, box, ` ${id}`);
     }));
   }
 
   wrap(id) {
-    const item = element("div", { class: "grid-stack-item" }), tile = element("div", { class: "grid-stack-item-content tile", role: "group", "aria-label": id });
-    const head = element("div", { class: "handle" }), away = element("button", { type: "button", "aria-label": `hide ${id}`, title: `hide ${id}` }, "×");
-    head.append(element("h2", {}, id), away);
+    const away = element("button", { type: "button", "aria-label": `hide ${id}`, title: `hide ${id}` }, "×");
     away.addEventListener("click", () => this.hide(id, true));
-    tile.append(head, this.tiles.get(id));
-    item.append(tile);
-    return item;
+    const head = element("div", { class: "handle" }, element("h2", {}, id), away);
+    const tile = element("div", { class: "grid-stack-item-content tile", role: "group", "aria-label": id }, head, this.tiles.get(id));
+    return element("div", { class: "grid-stack-item" }, tile);
   }
 
   // Rows so high that the first of them fill the screen.

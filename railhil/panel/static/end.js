@@ -4,7 +4,7 @@ import { element } from "./gauges.js";
 const SIGNS = { PASS: "✓", FAIL: "✕" };
 
 function copied(text, label) {
-  const row = element("span", { class: "copied" }), code = element("code", {}, text), button = element("button", { type: "button", "aria-label": `copy: ${label}` }, "copy");
+  const code = element("code", {}, text), button = element("button", { type: "button", "aria-label": `copy: ${label}` }, "copy");
   button.addEventListener("click", async () => {
     try {
       await navigator.clipboard.writeText(text);
@@ -15,8 +15,7 @@ function copied(text, label) {
       button.textContent = "selected";
     }
   });
-  row.append(`${label} `, code, " ", button);
-  return row;
+  return element("span", { class: "copied" }, `${label} `, code, " ", button);
 }
 
 export class End {
@@ -46,14 +45,9 @@ export class End {
 
   #build({ verdict, line, scores = [], folder, report, rerun }, mayOrder) {
     this.report = report;
-    const rows = scores.map(([title, value, missed]) => {
-      const row = element("tr", { class: missed ? "missed" : "" });
-      row.append(element("th", { scope: "row" }, title), element("td", { class: "n" }, value), element("td", {}, missed ? `✕ ${missed}` : ""));
-      return row;
-    });
-    const table = element("table"), body = element("tbody");
-    body.append(...rows);
-    table.append(body);
+    const rows = scores.map(([title, value, missed]) => element("tr", { class: missed ? "missed" : "" },
+      element("th", { scope: "row" }, title), element("td", { class: "n" }, value), element("td", {}, missed ? `✕ ${missed}` : "")));
+    const table = element("table", {}, element("tbody", {}, ...rows));
     const left = element("p", { class: "row" }), next = element("p", { class: "row next" });
     if (report) left.append(element("a", { href: "report", target: "_blank", rel: "noopener" }, "report of the run"));
     if (folder) left.append(copied(folder, "folder"));

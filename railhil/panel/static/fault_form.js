@@ -32,9 +32,8 @@ export class FaultForm {
       return input;
     });
     this.values.replaceChildren(...this.inputs.map((input, at) => {
-      const one = kind.parameters[at], label = element("label", {}, `${one.meaning} `);
-      label.append(input, one.range ? ` ${one.range}` : "");
-      return label;
+      const one = kind.parameters[at];
+      return element("label", {}, `${one.meaning} `, input, one.range ? ` ${one.range}` : "");
     }));
     if (kind) this.tell(kind);
   }

@@ -6,10 +6,11 @@ const shownNumber = (value, isCount) => {
   return value.toFixed(digits);
 };
 
-export const element = (tag, attributes = {}, text = "") => {
+// inside: elements and texts.
+export const element = (tag, attributes = {}, ...inside) => {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.textContent = text;
+  made.append(...inside);
   return made;
 };
 
@@ -41,21 +42,17 @@ export class Gauges {
   }
 
   box(which, at, large) {
-    const column = this.layout.columns[at], box = element("div", { class: large ? "value large" : "value" });
-    box.dataset.column = column.name;
-    const number = element("b"), value = element("span", { class: Object.keys(column.words).length ? "words" : "" }, "–");
-    number.append(value);
-    if (column.unit) number.append(element("small", {}, ` ${column.unit}`));
-    box.append(number, element("span", {}, column.label));
+    const column = this.layout.columns[at], value = element("span", { class: Object.keys(column.words).length ? "words" : "" }, "–");
+    const number = element("b", {}, value, ...(column.unit ? [element("small", {}, ` ${column.unit}`)] : []));
+    const box = element("div", { class: large ? "value large" : "value", "data-column": column.name }, number, element("span", {}, column.label));
     this.boxes.push({ which, at, box, value, column });
     return box;
   }
 
   stopBox(which) {
-    const box = element("div", { class: "value to-go", "data-column": "to_go" }), number = element("b"), what = element("span");
-    box.append(number, what);
+    const number = element("b"), what = element("span");
     this.stops.push({ which, number, what });
-    return box;
+    return element("div", { class: "value to-go", "data-column": "to_go" }, number, what);
   }
 
   show(stores, rows) {
@@ -104,10 +101,9 @@ function saidOfStop(stop) {
 export function showLamps(place, lamps, states, names) {
   if (place.childElementCount !== states.length || place.firstElementChild?.dataset.lamps !== String(lamps.length)) {
     place.replaceChildren(...states.map((_, which) => {
-      const row = element("div", { class: "lamps", "data-lamps": lamps.length, role: "group", "aria-label": "lamps", tabindex: "0" });
-      if (states.length > 1) row.append(element("span", {}, names[which]));
-      row.append(...lamps.map(() => element("span", { class: "lamp" })));
-      return row;
+      const run = states.length > 1 ? [element("span", {}, names[which])] : [];
+      return element("div", { class: "lamps", "data-lamps": lamps.length, role: "group", "aria-label": "lamps", tabindex: "0" },
+        ...run, ...lamps.map(() => element("span", { class: "lamp" })));
     }));
   }
   states.forEach((of, which) => lamps.forEach((lamp, at) => {
@@ -120,8 +116,7 @@ export function showLamps(place, lamps, states, names) {
 
 // A row of a table with cells of these classes, that is chosen by a click or by Enter.
 function rowOf(classes, choose) {
-  const row = element("tr", { tabindex: "0" });
-  row.append(...classes.map((name) => element("td", { class: name })));
+  const row = element("tr", { tabindex: "0" }, ...classes.map((name) => element("td", { class: name })));
   row.addEventListener("click", () => choose(row));
   row.addEventListener("keydown", (event) => { if (event.key === "Enter") choose(row); });
   return row;

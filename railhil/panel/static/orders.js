@@ -113,9 +113,8 @@ export class Orders {
     byId("prepared").replaceChildren(...prepared.map(([text]) => element("option", { value: shortFault(text), label: CATALOGUED.exec(text)[1] })));
     box.replaceChildren(...manual.flatMap(([text, number]) => (CATALOGUED.test(text) ? ["clear"] : ["inject", "clear"]).map((what) => {
       const short = shortFault(text), button = element("button", { type: "button", "data-do": what, "data-fault": number },
-        what === "inject" ? `⚡ ${short}` : `clear ${short}`);
+        what === "inject" ? `⚡ ${short}` : `clear ${short}`, element("i", {}, told(what, number)));
       const used = what === "inject" && injected.includes(number);
-      button.append(element("i", {}, told(what, number)));
       button.disabled = !runs || (what === "inject" ? used : !active.includes(number));
       button.title = used ? "a fault is injected once in a run" : "";
       button.addEventListener("click", () => this.order({ do: what, fault: number, ...(what === "inject" ? duration() : {}) }, `${what} ${short}`));
