@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich.table import Table
 
@@ -21,8 +21,8 @@ _HEADROOM_MIN_BITS = 1
 _LSB_PLAIN_MAX = 1e5
 
 
-def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    return titled_table(title, left, right, is_whole=False)
+def _columns(title: str, left: Sequence[str], right: Sequence[str], rows: Iterable[Sequence[str]] = ()) -> Table:
+    return titled_table(title, left, right, rows, is_whole=False)
 
 
 def _number(value: float | None, digits: int = 4) -> str:
@@ -89,15 +89,12 @@ def _lsb(error: QuantityError, value: float | None) -> str:
 
 
 def _floor(result: Audit, floor: Floor) -> Table:
-    made = _columns(
-        "Rounded (rmpy) and floored (mpy) products, LSB",
-        ("quantity",),
-        ("bias rmpy", "bias mpy", "RMS rmpy", "RMS mpy"),
+    rows = (
+        [one.name, *(_lsb(one, value) for value in (one.bias, floored.bias, one.rms, floored.rms))]
+        for one, floored in zip(result.errors, floor.errors, strict=True)
     )
-    for rounded, floored in zip(result.errors, floor.errors, strict=True):
-        cells = (rounded.bias, floored.bias, rounded.rms, floored.rms)
-        made.add_row(rounded.name, *(_lsb(rounded, value) for value in cells))
-    return made
+    heads = ("bias rmpy", "bias mpy", "RMS rmpy", "RMS mpy")
+    return _columns("Rounded (rmpy) and floored (mpy) products, LSB", ("quantity",), heads, rows)
 
 
 def _scores(result: Audit) -> Table:
@@ -106,30 +103,18 @@ def _scores(result: Audit) -> Table:
     if result.floor is not None:
         names.append("floored products")
         columns.append(result.floor.score)
-    made = _columns(f"Scores of the run (nominal, seed {result.options.seed})", ("score", "unit"), names)
-    for criterion in result.criteria:
-        values = (score.values[criterion.key] for score in columns)
-        made.add_row(criterion.key, criterion.unit, *(_number(value, 6) for value in values))
-    return made
+    rows = ([one.key, one.unit, *(_number(score.values[one.key], 6) for score in columns)] for one in result.criteria)
+    return _columns(f"Scores of the run (nominal, seed {result.options.seed})", ("score", "unit"), names, rows)
 
 
 def _effects(result: Audit, effect: Effect) -> Table:
-    made = _columns(
-        f"Medians of {result.options.runs} perturbed runs, same draws",
-        ("score", "unit"),
-        (result.options.law.arithmetic, "float64", "difference", "allowed", "largest of one run"),
-    )
-    for one in effect.scores:
-        made.add_row(
-            one.score,
-            one.unit,
-            _number(one.audited, 6),
-            _number(one.reference, 6),
-            _number(one.difference, 3),
-            _number(one.allowed, 3),
-            _number(one.largest_single, 3),
-        )
-    return made
+    heads = (result.options.law.arithmetic, "float64", "difference", "allowed", "largest of one run")
+    rows = (
+        [one.score, one.unit, _number(one.audited, 6), _number(one.reference, 6),
+         *(_number(value, 3) for value in (one.difference, one.allowed, one.largest_single))]
+        for one in effect.scores
+    )  # fmt: skip
+    return _columns(f"Medians of {result.options.runs} perturbed runs, same draws", ("score", "unit"), heads, rows)
 
 
 def _bars(result: Audit) -> Table:

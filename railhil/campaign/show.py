@@ -86,10 +86,8 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
 def _stops(summary: Mapping[str, Any]) -> Table:
     """Shares at fixed distances, independent of the scenario's limit, so that the stricter figures are shown too."""
     heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
-    made = titled_table("Runs that stopped within", ("law",), heads)
-    for label, law in summary["laws"].items():
-        made.add_row(label, *(_share(found) for found in law["stopped_within_m"].values()))
-    return made
+    rows = ([label, *map(_share, law["stopped_within_m"].values())] for label, law in summary["laws"].items())
+    return titled_table("Runs that stopped within", ("law",), heads, rows)
 
 
 def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:

@@ -11,7 +11,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import RATE, whole_number
 from railhil.common.digits import count_of
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table, whole
 from railhil.common.streams import add_json_argument, print_json
 from railhil.run.first_check import PATIENCE_S, POLLS, Checked, FirstCheck
 from railhil.scenarios.load import stable_name
@@ -101,10 +101,7 @@ def document(found: Checked) -> dict[str, object]:
 
 def show(console: Output, found: Checked, pace: str) -> None:
     """Print the answers, what they say, and the faults."""
-    rows = table()
-    for title in ("tick", "poll", "ms"):
-        rows.add_column(title, justify="left" if title == "poll" else "right", no_wrap=True)
-    rows.add_column("answer")
+    rows = table(number("tick"), whole("poll"), number("ms"), "answer")
     for one in found.answers:
         latency = "-" if one.latency_ns is None else f"{one.latency_ns / 1e6:.2f}"
         said = one.values or ("no answer" if one.latency_ns is None else "not understood")

@@ -61,14 +61,9 @@ def work(namespace: argparse.Namespace) -> int:
         )
         return 0
     console = Output()
-    made = titled_table(
-        "traction work in kJ", ["section"], ["s", "least", *(heading for heading, _, _ in _WORKS)],
-        is_whole=False,
-    )  # fmt: skip
-    rows = [_row(section) for section in sections]
-    for row in [*rows, {"name": "sum", **_sum(sections)}] if len(rows) > 1 else rows:
-        made.add_row(*_cells(row))
-    console.print(made)
+    rows = [*map(_row, sections), *([{"name": "sum", **_sum(sections)}] if len(sections) > 1 else [])]
+    heads = ["s", "least", *(heading for heading, _, _ in _WORKS)]
+    console.print(titled_table("traction work in kJ", ["section"], heads, map(_cells, rows), is_whole=False))
     for line in _WHAT:
         console.say(line)
     return 0

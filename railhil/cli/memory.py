@@ -11,7 +11,7 @@ from typing import Any
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import refuse_unwritable, write_synced
 from railhil.record.hash_list import check_free
@@ -101,12 +101,8 @@ def _with_law(memory: Memory, namespace: argparse.Namespace) -> Memory:
 
 def _print(console: Output, memory: Memory, values: bool) -> None:
     console.say(f"memory of {memory.law or 'no law'}, {memory.source}")
-    rows = table()
-    for name in ("place", "runs", "last run", "record", "key"):
-        rows.add_column(name, justify="right" if name in ("runs", "last run") else "left", overflow="fold")
-    for one in memory.stored:
-        rows.add_row(*_cells(one))
-    console.print(rows)
+    heads = ("place", number("runs"), number("last run"), "record", "key")
+    console.print(table(*heads, rows=map(_cells, memory.stored)))
     for one in memory.stored:
         if one.fault:
             console.say(f"{one.slot} cannot be used ({one.fault}): {one.detail}")

@@ -10,7 +10,7 @@ from typing import Any
 from railhil.bus.can_settings import BITRATE_HELP
 from railhil.bus.schedule import bus_load
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table, whole
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import given_text, refuse_unreadable, refuse_unwritable, whole_file
 from railhil.dbc import Contract, Port
@@ -122,19 +122,10 @@ def _document(contract: Contract, ports: list[Port], bit_rate: int, loads: dict[
 
 
 def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) -> None:
-    rows = table()
-    for title in ("port", "id"):
-        rows.add_column(title, no_wrap=True)
-    rows.add_column("CAN ids")
-    rows.add_column("F", no_wrap=True)
-    rows.add_column("ms", justify="right", no_wrap=True)
-    for title in ("source", "mode"):
-        rows.add_column(title, no_wrap=True)
-    rows.add_column("load", justify="right", no_wrap=True)
     # Without room for it, `railhil ports PORT` and the DBC still give the purpose of a port.
     described = console.width >= _DESCRIBED_COLUMNS
-    if described:
-        rows.add_column("what")
+    rows = table(whole("port"), whole("id"), "CAN ids", whole("F"), number("ms"), whole("source"), whole("mode"),
+                 number("load"), *(["what"] if described else []))  # fmt: skip
     for port in ports:
         cells = [
             port.name,
@@ -152,12 +143,7 @@ def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) ->
 
 def _print_layout(console: Output, port: Port) -> None:
     console.say(port.comment)
-    rows = table()
-    rows.add_column("signal", no_wrap=True)
-    for title in ("at", "type", "scale"):
-        rows.add_column(title, no_wrap=True)
-    rows.add_column("unit", no_wrap=True)
-    rows.add_column("values or meaning")
+    rows = table(*map(whole, ("signal", "at", "type", "scale", "unit")), "values or meaning")
     for signal in port.signals:
         values = ", ".join(f"{key} {text}" for key, text in signal.values.items())
         kind = f"{'s' if signal.signed else 'u'}{signal.length}"

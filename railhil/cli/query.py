@@ -54,12 +54,7 @@ def work(namespace: argparse.Namespace) -> int:
         # Instants and decimals as text; JSON has no NaN.
         print_json(json.loads(json.dumps(rows, default=str), parse_constant=lambda text: None))
     else:
-        made = table()
-        for name in found.column_names:
-            made.add_column(name)
-        for row in rows:
-            made.add_row(*(_shown(value) for value in row.values()))
-        console.print(made)
+        console.print(table(*found.column_names, rows=(map(_shown, row.values()) for row in rows)))
     for remark in index.remarks:
         console.say(remark, style="yellow")
     return 0

@@ -10,10 +10,10 @@ from pathlib import Path
 from shlex import quote
 
 from rich.measure import Measurement
-from rich.table import Table
+from rich.table import Column, Table
 
 from railhil.common.digits import count_of
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table, whole
 from railhil.judge.judging import judging_of
 from railhil.judge.record import Record
 from railhil.judge.result import Result
@@ -33,11 +33,8 @@ _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
     """Measured scores by label, then the rows of the published table (time and stop error without sign, as
     published)."""
-    rows = table(tight)
     criteria = [criterion for criterion in judging_of(scenario).criteria if criterion.on_terminal]
-    rows.add_column("")
-    for criterion in criteria:
-        rows.add_column(criterion.heading, justify="right", no_wrap=True)
+    rows = table("", *(number(criterion.heading) for criterion in criteria), tight=tight)
     for label, score in found:
         values = (criterion.shown(score.values[criterion.key]) for criterion in criteria)
         rows.add_row(label, *values, style="bold")
@@ -49,12 +46,8 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
 
 def stop_table(stops: Sequence[ScoredStop], tight: bool) -> Table:
     """One line for each stop: what a terminal has room for."""
-    rows = table(tight)
-    rows.add_column("stop", no_wrap=True)
-    for column in stops[0].headed:
-        if column.brief:
-            rows.add_column(column.heading, justify="right")
-    rows.add_column("", no_wrap=True)
+    numbers = (Column(column.heading, justify="right") for column in stops[0].headed if column.brief)
+    rows = table(whole("stop"), *numbers, whole(""), tight=tight)
     for stop in stops:
         cells = (column.text for column in stop.headed if column.brief)
         rows.add_row(stop.planned.name, *cells, stop.verdict, style="bold red" if stop.missed else None)

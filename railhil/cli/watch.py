@@ -21,7 +21,7 @@ from railhil.bus.link.opening import listen_only
 from railhil.bus.select import choose_bus
 from railhil.cli.run_identity import RunIdentity, named_scenario
 from railhil.common.digits import count_of
-from railhil.common.output import Output, table
+from railhil.common.output import Output, table, whole
 from railhil.live.bus_follower import Listener, Milestones
 from railhil.live.live_values import Instruments
 from railhil.report.display_columns import LEVEL
@@ -224,9 +224,7 @@ class View:
         assert scenario is not None
         rate = f", {listener.clock.rate:g} times real time" if listener.clock.rate else ""
         planned = "" if isnan(scenario.planned_s) else f" of {scenario.planned_s:.0f}"
-        grid = table(tight=True)
-        for heading in ("signal", "value", "signal", "value"):
-            grid.add_column(heading, no_wrap=heading == "value")
+        grid = table("signal", whole("value"), "signal", whole("value"), tight=True)
         cells = []
         self._told |= values.keys()
         for column in instruments.shown.columns:

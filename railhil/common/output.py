@@ -10,7 +10,7 @@ from time import monotonic
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, ConsoleOptions, JustifyMethod, RenderResult
+from rich.console import Console, ConsoleOptions, RenderResult
 from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
@@ -92,23 +92,44 @@ def _least_width(console: Console, options: ConsoleOptions, column: Column) -> i
     return max(least, *numbers, 1)
 
 
-def table(tight: bool = False) -> Table:
-    """An empty table with two spaces between its columns, one if ``tight``."""
-    return WholeTable(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
+def whole(name: str) -> Column:
+    """A column of words that are never wrapped, for :func:`table`."""
+    return Column(name, no_wrap=True)
 
 
-def titled_table(title: str, left: Sequence[str], right: Sequence[str], *, is_whole: bool = True) -> Table:
-    """An empty table with a title: columns of words, and then of numbers.
+def number(name: str) -> Column:
+    """A column of numbers that are never wrapped, for :func:`table`."""
+    return Column(name, justify="right", no_wrap=True)
+
+
+def table(*columns: str | Column, rows: Iterable[Iterable[str]] = (), tight: bool = False) -> Table:
+    """A table with two spaces between its columns, one if ``tight``."""
+    padding = (0, 0 if tight else 1, 0, 0)
+    made = WholeTable(*columns, box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)
+    for row in rows:
+        made.add_row(*row)
+    return made
+
+
+def titled_table(
+    title: str,
+    left: Sequence[str],
+    right: Sequence[str],
+    rows: Iterable[Iterable[str]] = (),
+    *,
+    is_whole: bool = True,
+) -> Table:
+    """A table with a title: columns of words, and then of numbers.
 
     :param is_whole: no column is wrapped, and they stand closer together; else only the first is never wrapped.
     """
-    made = table(tight=is_whole)
+    columns = [Column(name) for name in left] + [Column(name, justify="right") for name in right]
+    for place, column in enumerate(columns):
+        column.no_wrap = is_whole or place == 0
+    made = table(*columns, rows=rows, tight=is_whole)
     made.title, made.title_justify, made.title_style = title, "left", "bold"
     # Keeps the title of a narrow table on one line.
     made.min_width = len(title)
-    for place, name in enumerate((*left, *right)):
-        justify: JustifyMethod = "left" if place < len(left) else "right"
-        made.add_column(name, justify=justify, no_wrap=is_whole or place == 0)
     return made
 
 

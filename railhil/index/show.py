@@ -12,7 +12,7 @@ from rich.table import Table
 
 from railhil.common.digits import count_of
 from railhil.common.errors import InputError, did_you_mean
-from railhil.common.output import table
+from railhil.common.output import number, table, whole
 from railhil.index.find import FILE
 from railhil.index.tables import STAMP, Index
 from railhil.record.hash_list import HASH_LIST
@@ -26,7 +26,6 @@ _UNITS = {"h": "hours", "d": "days", "w": "weeks"}
 _ABOUT = "~"
 #: Folders that a sentence names.
 _NAMED_MAX = 6
-_SHOWN = ("made (UTC)", "folder", "kind", "scenario", "law", "seed", "verdict", "")
 
 
 def all_rows(index: Index) -> list[Row]:
@@ -149,9 +148,8 @@ def doubts(rows: Sequence[Row]) -> list[str]:
 
 def rows_table(rows: Iterable[Row]) -> Table:
     """The rows for a terminal."""
-    made = table(tight=True)
-    for name in _SHOWN:
-        made.add_column(name, justify="right" if name == "seed" else "left", no_wrap=name in (_SHOWN[0], "verdict"))
+    heads = (whole("made (UTC)"), "folder", "kind", "scenario", "law", number("seed"), whole("verdict"), "")
+    made = table(*heads, tight=True)
     for row in rows:
         style = "red" if row["problem"] else None
         cells = [row[key] for key in ("folder", "kind", "scenario", "law", "seed", "verdict")]
@@ -162,10 +160,8 @@ def rows_table(rows: Iterable[Row]) -> Table:
 
 def groups_table(found: Sequence[Row], key: str) -> Table:
     """The groups for a terminal."""
-    made = table()
     verdicts = list(dict.fromkeys(verdict for group in found for verdict in group["verdicts"]))
-    for name in (key, "folders", *verdicts, "newest (UTC)"):
-        made.add_column(name, justify="left" if name in (key, "newest (UTC)") else "right")
+    made = table(key, *map(number, ("folders", *verdicts)), "newest (UTC)")
     for group in found:
         counts = (str(group["verdicts"].get(verdict, 0)) for verdict in verdicts)
         made.add_row(str(group[key]) or "-", str(group["folders"]), *counts, _minute(group["newest"]))

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from railhil.batch import Batch, Case
 from railhil.batch.statistics import quantile
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table, whole
 from railhil.judge.criteria import DID_NOT_STOP, Criterion, limited
 from railhil.judge.judging import judging_of
 from railhil.scenarios.model import watch_sentence
@@ -106,12 +106,8 @@ def _title(found: Evaluation) -> str:
 
 
 def _cells(found: Evaluation) -> Table:
-    made = table()
-    for name in ("score", "unit"):
-        made.add_column(name, no_wrap=True)
-    for who in ("default", "tuned"):
-        for name, _ in _QUANTILES:
-            made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
+    heads = [f"{who}\n{name}" for who in ("default", "tuned") for name, _ in _QUANTILES]
+    made = table(whole("score"), whole("unit"), *map(number, heads))
     for criterion in _criteria(found):
         values = [*quantiles(found.default, criterion), *quantiles(found.tuned, criterion)]
         none = "no stop" if criterion.without == DID_NOT_STOP else criterion.without
