@@ -17,6 +17,17 @@ INJECTS = (
     "train.safety_loop",
 )
 
+#: What the plant tells of the train as it is.
+TRUTH = Truth(
+    port="SIM_TRUTH",
+    position="TruePos",
+    speed="TrueSpeed",
+    acceleration="TrueAccel",
+    traction="TractionForce",
+    levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
+    beside=("TRN_WATCH",),
+)
+
 ATO = System(
     name="ato",
     title="one train, one notch, one stop",
@@ -44,15 +55,7 @@ ATO = System(
     picture="railhil.systems.ato.panels:draw",
     bound="railhil.systems.ato.energy.section:list_bounds",
     new_line="railhil.systems.ato.scenario.importers.new_line:read_new_line",
-    truth=Truth(
-        port="SIM_TRUTH",
-        position="TruePos",
-        speed="TrueSpeed",
-        acceleration="TrueAccel",
-        traction="TractionForce",
-        levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
-        beside=("TRN_WATCH",),
-    ),
+    truth=TRUTH,
     requirements="railhil.systems.ato:REQUIREMENTS",
     named={"notch": "NOTCH_CMD.NotchCmd"},
     injects=INJECTS,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 from railhil.systems import ato
 
@@ -53,14 +53,6 @@ LINE = System(
     given="railhil.controller_node.ato.given:GivenNotchLaw",
     statement="railhil.systems.line.scenario.statement:STATEMENT",
     by_section=("tune", "export-c", "audit"),
-    truth=Truth(
-        port="SIM_TRUTH",
-        position="TruePos",
-        speed="TrueSpeed",
-        acceleration="TrueAccel",
-        traction="TractionForce",
-        levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode", "ATP_STAT": "AtpCause"},
-        beside=("TRN_WATCH",),
-    ),
-    named={"notch": "NOTCH_CMD.NotchCmd"},
+    truth=replace(ato.TRUTH, levels={**ato.TRUTH.levels, "ATP_STAT": "AtpCause"}),
+    named=ato.ATO.named,
 )

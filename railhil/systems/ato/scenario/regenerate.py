@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
@@ -38,32 +39,47 @@ def target_file_text(curve: TargetCurve, limits: GenerateTable, command: str) ->
     return "\n".join(lines) + "\n"
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Recompute the target speed curves of scenarios."""
-    parser = argparse.ArgumentParser(prog="python -m railhil.systems.ato.scenario.regenerate", description=main.__doc__)
-    parser.add_argument("scenario", nargs="+", help="shipped name or path of a scenario with [target.generate]")
+def target_texts(path: Path) -> dict[str, str]:
+    """The text of the target file of a scenario, by its name.
+
+    :raises InputError: the scenario is wrong.
+    """
+    parts = read_parts(path)
+    curve, limits = generate_target(parts)[0], parts.file.target.generate
+    assert limits is not None
+    command = f"railhil.systems.ato.scenario.regenerate {parts.file.name} --write"
+    return {parts.file.name: target_file_text(curve, limits, command)}
+
+
+def regenerate(
+    parser: argparse.ArgumentParser, texts_of: Callable[[Path], Mapping[str, str]], arguments: list[str] | None
+) -> int:
+    """Print or write the target files of scenarios; returns the exit code.
+
+    :param parser: without arguments. :param texts_of: like :func:`target_texts`.
+    """
+    parser.add_argument("scenario", nargs="+", help="shipped name, or path of a scenario that generates its curves")
     parser.add_argument("--write", action="store_true", help="write data/targets/<name>.toml instead of printing")
     options = parser.parse_args(arguments)
     try:
-        for name in options.scenario:
-            path = find(name)
-            parts = read_parts(path)
-            curve = generate_target(parts)[0]
-            limits = parts.file.target.generate
-            assert limits is not None
-            command = f"railhil.systems.ato.scenario.regenerate {parts.file.name} --write"
-            text = target_file_text(curve, limits, command)
+        for path in map(find, options.scenario):
             if options.write and path.parent != RUNS:
                 raise InputError(path, "--write", Words("is a file of your own"), "shipped names; redirect the output")
-            if options.write:
-                there: Path = DATA / "targets" / f"{parts.file.name}.toml"
-                there.write_text(text, encoding="utf-8")
-            else:
-                sys.stdout.write(text)
+            for name, text in texts_of(path).items():
+                if options.write:
+                    (DATA / "targets" / f"{name}.toml").write_text(text, encoding="utf-8")
+                else:
+                    sys.stdout.write(text)
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return 2
     return 0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Recompute the target speed curves of scenarios."""
+    parser = argparse.ArgumentParser(prog="python -m railhil.systems.ato.scenario.regenerate", description=main.__doc__)
+    return regenerate(parser, target_texts, arguments)
 
 
 if __name__ == "__main__":
