@@ -14,7 +14,7 @@ from typing import Any
 
 from railhil.bus.can_settings import HUB_INTERFACE, LOCAL, PIPES, has_settings
 from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 
 _DEFAULT_VCAN = "vcan0"
 
@@ -120,11 +120,9 @@ def no_bus(given: Mapping[str, Any], pace: str) -> BusChoice:
     """
     if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
-        allowed = Sentence(f"cannot be given with {found} or any other option of a bus")
-        raise InputError("command line", "--bus local", found, allowed)
+        raise OptionError("--bus local", f"cannot be given with {found} or any other option of a bus")
     if pace != "lockstep":
-        allowed = Sentence(f"used only with --pace lockstep, not with --pace {pace}")
-        raise InputError("command line", "--bus local", pace, allowed)
+        raise OptionError("--bus local", f"used only with --pace lockstep, not with --pace {pace}")
     return BusChoice({"interface": LOCAL}, "all nodes in this process, as asked for")
 
 

@@ -14,7 +14,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
 from railhil.common.command_line import OneLineParser, accept_former_name, add_priority_argument, parse
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import ignore_ending_signals
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
@@ -47,7 +47,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _check_timing_file(path: Path, pace: str) -> None:
     if pace != "realtime":
-        raise InputError("command line", "--timing-file", str(path), Sentence("used only with --pace realtime"))
+        raise OptionError("--timing-file", "used only with --pace realtime")
     with refuse_unwritable("--timing-file", path, "file"):
         check_writable(path)
 

@@ -6,17 +6,13 @@ import argparse
 import sys
 
 from railhil.campaign.plan import Plan, Request
-from railhil.common.command_line import OneLineParser, accept_former_name
+from railhil.common.command_line import OneLineParser, accept_former_name, name_list
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
 from railhil.study.command import Command, add_engine_arguments, add_folder_arguments, add_number, exit_codes
 from railhil.study.perturbed_runs import how_made
 
 _VERIFIED_RUNS = 3
-
-
-def _law_list(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -37,7 +33,7 @@ def arguments() -> argparse.ArgumentParser:
     add_number(parser, Request, "runs", f" of each law; with --verify {_VERIFIED_RUNS} of all")
     add_number(parser, Request, "first_seed")
     accept_former_name(parser, "--first-seed", "--seed")
-    add_option(parser, "--laws", type=_law_list, usual="the one of the scenario's system")
+    add_option(parser, "--laws", type=name_list, usual="the one of the scenario's system")
     add_option(parser, "--arithmetic", usual=usual.arithmetic)
     add_option(parser, "--indexing", default=None)
     add_option(parser, "--parameters", "; may be given again, for another law", action="append")

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
-from html import escape
 
 from railhil.charts import static_text
 from railhil.charts.figure import Figure
 from railhil.charts.svg import markup
-from railhil.common.streams import escape_controls
+from railhil.charts.svg_shapes import escaped
 
 #: Beside the light colours of ``charts.css``: those that depend on the ground, and the rest of the block.
 _STYLES = """
@@ -56,19 +55,14 @@ def html_cell(*parts: str) -> str:
     return f'{_styles()}<div class="railhil-cell">{"".join(parts)}</div>'
 
 
-def html_text(text: str) -> str:
-    """Text without characters that HTML or a terminal would interpret."""
-    return escape(escape_controls(text))
-
-
 def html_paragraph(text: str) -> str:
     """A paragraph; nothing for an empty text."""
-    return f"<p>{html_text(text)}</p>" if text else ""
+    return f"<p>{escaped(text)}</p>" if text else ""
 
 
 def html_verdict(verdict: str, text: str) -> str:
     """PASS, FAIL or INVALID, and the text beside it."""
-    return f'<p><b class="verdict {html_text(verdict)}">{html_text(verdict)}</b>{html_text(text)}</p>'
+    return f'<p><b class="verdict {escaped(verdict)}">{escaped(verdict)}</b>{escaped(text)}</p>'
 
 
 def html_table(
@@ -84,7 +78,7 @@ def html_table(
         name = "th" if scope else "td"
         shown = f' scope="{scope}"' if scope else ""
         shown += ' class="number"' if place in numbers else ""
-        return f"<{name}{shown}>{html_text(text)}</{name}>"
+        return f"<{name}{shown}>{escaped(text)}</{name}>"
 
     def line(row: Sequence[str]) -> str:
         is_missed = bool(missed) and any(text.startswith(missed) for text in row)
@@ -92,7 +86,7 @@ def html_table(
         return f'<tr class="missed">{cells}</tr>' if is_missed else f"<tr>{cells}</tr>"
 
     head = "".join(cell(place, text, "col") for place, text in enumerate(heads))
-    caption = f"<caption>{html_text(title)}</caption>" if title else ""
+    caption = f"<caption>{escaped(title)}</caption>" if title else ""
     return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(map(line, rows))}</tbody></table>"
 
 

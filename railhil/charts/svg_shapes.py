@@ -179,5 +179,5 @@ def name_pairs(names: Mapping[float, str]) -> str:
 
 
 def escaped(text: str) -> str:
-    """Text for a page."""
+    """Text for a page, without characters that HTML or a terminal would interpret."""
     return escape(escape_controls(text))

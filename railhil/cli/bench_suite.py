@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 from railhil.common.exit_codes import PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -37,7 +37,7 @@ def work(namespace: argparse.Namespace) -> int:
     folder, console = namespace.folder, Output(stderr=False)
     if namespace.score:
         if folder is not None or namespace.plant:
-            raise InputError("command line", "--score", None, Sentence("used without DIR and --plant"))
+            raise OptionError("--score", "used without DIR and --plant")
         # Not before: a hunt needs the libraries of an extra.
         from railhil.hunt.leaderboard import leaderboard, table_of
 

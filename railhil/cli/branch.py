@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 from railhil.common.exit_codes import PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -85,8 +85,7 @@ def _no_return(namespace: argparse.Namespace) -> int:
     from railhil.run.no_return import find_no_return, has_acting_faults
 
     if namespace.instant is not None or namespace.fault or namespace.out is not None:
-        said = Sentence("cannot be given with @TIME, --fault or --out")
-        raise InputError("command line", "--no-return", Words(), said)
+        raise OptionError("--no-return", "cannot be given with @TIME, --fault or --out")
     record = checked_record(namespace.run, None)
     if record.verdict != "FAIL":
         raise InputError(namespace.run, "verdict", record.verdict, "FAIL: a run that its faults or its noise have lost")

@@ -15,9 +15,10 @@ from pathlib import Path
 
 from railhil.cli.progress import Progress
 from railhil.cli.result_printer import assumption_lines, print_scores, print_verdict, print_watch
-from railhil.cli.run import add_arguments, law_names, run_spec, run_system
+from railhil.cli.run import add_arguments, run_spec, run_system
+from railhil.common.command_line import name_list
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import InputError, OptionError
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.judge.record import Record
@@ -62,7 +63,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _laws(text: str, system: System) -> list[str]:
-    names = law_names(system) if text == _ALL else [name.strip() for name in text.split(",")]
+    names = system.law_names() if text == _ALL else list(name_list(text))
     for name in names:
         if given_controller(name) is None:
             system.check_law(name, "command line", "--laws")
@@ -84,7 +85,7 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
             )
         found[given.law] = given
     if namespace.both and not found:
-        raise InputError("command line", "--both", namespace.both, Sentence("used only with --parameters FILE"))
+        raise OptionError("--both", "used only with --parameters FILE")
     return found
 
 

@@ -7,11 +7,11 @@ import sys
 from importlib import import_module
 
 from railhil.cli import commands, programs
-from railhil.cli.run import law_names
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.exit_codes import PASS, run_guarded
 from railhil.common.extras import missing_library
 from railhil.scenarios.load import short_names
+from railhil.scenarios.system import DEFAULT, system_named
 
 #: Module with the command line of a program, if not its ``__main__``.
 _ARGUMENTS = {
@@ -71,7 +71,7 @@ def _mark(parser: argparse.ArgumentParser, file: object, folder: object) -> None
         elif action.dest in ("scenario", "extends"):
             action.complete = _SCENARIO  # type: ignore[attr-defined]
         elif action.dest in ("controller", "law"):
-            action.choices = law_names()
+            action.choices = system_named(DEFAULT).law_names()
         elif action.metavar in ("FILE", "DIR", "RUN"):
             action.complete = file if action.metavar == "FILE" else folder  # type: ignore[attr-defined]
 

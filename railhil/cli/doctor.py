@@ -24,9 +24,9 @@ from railhil.bus.transports import HUB_MODEL, limits
 from railhil.common.build import python_build, railhil_build
 from railhil.common.command_line import USUAL_SCENARIO, accept_former_name
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import PASS, USAGE
-from railhil.common.output import Output, table
+from railhil.common.output import Output, table, whole
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.version import full_version
 from railhil.dbc import wire_contract
@@ -128,7 +128,7 @@ def _fmu(namespace: argparse.Namespace) -> int:
         option, value = (MAP_OPTION, namespace.fmu_map)
         if value is None:
             option, value = ("--scenario", namespace.scenario)
-        raise InputError("command line", option, value, Sentence(f"used only with {FMU_OPTION}"))
+        raise OptionError(option, f"used only with {FMU_OPTION}")
     named = PlantFmu(namespace.plant_fmu, namespace.fmu_map or str(Path(namespace.plant_fmu).with_suffix(".toml")))
     document = named.as_json()
     run = RunSpec(namespace.scenario or USUAL_SCENARIO, plant_fmu=named)
@@ -164,18 +164,8 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"{item.subject:18} {item.found}")
         if item.advice:
             console.say(f"{'':18} -> {item.advice}", style="yellow")
-    transports = table()
-    transports.add_column("transport", no_wrap=True)
-    transports.add_column("what it does not model")
-    for transport, text in limits().items():
-        transports.add_row(transport, text)
-    console.print(transports)
-    models = table()
-    models.add_column("on the hub", no_wrap=True)
-    models.add_column("option", no_wrap=True)
-    models.add_column("what it does")
-    models.add_column("what it does not model")
-    for row in HUB_MODEL:
-        models.add_row(row.subject, row.option, row.by or "nothing", row.without)
-    console.print(models)
+    console.print(table(whole("transport"), "what it does not model", rows=limits().items()))
+    models = ((row.subject, row.option, row.by or "nothing", row.without) for row in HUB_MODEL)
+    heads = (whole("on the hub"), whole("option"), "what it does", "what it does not model")
+    console.print(table(*heads, rows=models))
     return code

@@ -11,13 +11,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
-
 from railhil.common.command_line import OneLineParser, parse
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 from railhil.common.exit_codes import run_guarded
+from railhil.common.output import Output, number, table
 from railhil.controller_node.cost import estimated_cycles
 from railhil.controller_node.export.bundle import control_of, make_bundle, write_bundle
 from railhil.controller_node.export.control import Control, Source
@@ -31,8 +28,6 @@ from railhil.scenarios.system import System
 
 if TYPE_CHECKING:
     from railhil.controller_node.export.c28x import LawStream
-
-_FILE_COLUMNS = 100
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -91,7 +86,7 @@ def _instructions(control: Control) -> tuple[LawStream, int]:
 
     law = control.law
     if law.arithmetic != "iq":
-        raise InputError("command line", "--c28x", law.arithmetic, Sentence("used only with the arithmetic iq"))
+        raise OptionError("--c28x", "used only with the arithmetic iq")
     try:
         stream = LawStream(control.programs)
     except ValueError as error:
@@ -104,7 +99,7 @@ def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
     if namespace.fmi_version and not namespace.fmu:
-        raise InputError("command line", "--fmi-version", namespace.fmi_version, Sentence("used only with --fmu"))
+        raise OptionError("--fmi-version", "used only with --fmu")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     system = scenario.installed_system
@@ -146,30 +141,20 @@ def _size(source: Source) -> str:
 
 def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
     """The files and their needs on the target."""
-    console = Console(markup=False, emoji=False, highlight=False)
-    if not console.is_terminal:
-        console.width = _FILE_COLUMNS
-    listing = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    listing.add_column("file")
-    listing.add_column("bytes", justify="right")
-    for name, text in files.items():
-        listing.add_row(name, str(len(text)))
-    console.print(listing)
-    console.print(f"{size}; not run on a C28x", soft_wrap=True)
-    console.print(f"wrote {folder}: make -C {folder} check, railhil target qemu {folder}", soft_wrap=True)
+    console = Output()
+    console.print(table("file", number("bytes"), rows=((name, str(len(text))) for name, text in files.items())))
+    console.say(f"{size}; not run on a C28x")
+    console.say(f"wrote {folder}: make -C {folder} check, railhil target qemu {folder}")
 
 
 def _list_cycles(stream: LawStream, counts: Counter[str]) -> None:
     """Cycles of the instructions of one control period, beside the estimate from the operations."""
-    listing = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    listing.add_column("one control period")
-    for column in ("operations", "C28x cycles", "estimate"):
-        listing.add_column(column, justify="right")
+    listing = table("one control period", *map(number, ("operations", "C28x cycles", "estimate")))
     for name, cycles in stream.cycles.most_common():
         estimate = estimated_cycles(Counter({name: counts[name]})) if name in counts else ""
         listing.add_row(name, str(counts[name] or ""), str(cycles), str(estimate))
     listing.add_row("together", "", str(stream.cycles.total()), str(estimated_cycles(counts)))
-    Console(markup=False, emoji=False, highlight=False).print(listing)
+    Output().print(listing)
     print(f"{len(stream.period)} instructions, {stream.words} words; in {stream.inactive} cycles the pipeline waits")
 
 

@@ -18,7 +18,7 @@ from railhil.cli.fault_table import check_new, keep_table, says_by_id
 from railhil.cli.run import add_arguments, run_spec, run_system
 from railhil.common.command_line import whole_number
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import InputError, OptionError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, show_progress, table
 from railhil.common.streams import add_json_argument, print_json
@@ -201,7 +201,7 @@ def work(namespace: argparse.Namespace) -> int:
     keep = partial(keep_table, namespace.out, base, key=namespace.sign, is_shown=not namespace.no_report)
     if namespace.pairs is not None:
         if namespace.only is not None:
-            raise InputError("command line", "--only", namespace.only, Sentence("cannot be given with --pairs"))
+            raise OptionError("--only", "cannot be given with --pairs")
         check_new(namespace.out)
         named, as_json = namespace.controller, namespace.json
         return pairs(base, system, namespace.pairs, jobs, console, keep, controller=named, as_json=as_json)

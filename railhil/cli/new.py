@@ -13,7 +13,7 @@ from string import Template
 
 from railhil.cli.new_scenario import check_scenario_name, imported_line_file, line_file, scenario_file, stops_file
 from railhil.common.command_line import LAW_WITH_POSITION, USUAL_SCENARIO, whole_number
-from railhil.common.errors import InputError, Sentence, Words, describe_os_error
+from railhil.common.errors import InputError, OptionError, Words, describe_os_error
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any
@@ -173,10 +173,10 @@ def _new_controller(namespace: argparse.Namespace) -> int:
 
 def _new_line(namespace: argparse.Namespace) -> int:
     if namespace.track_ids and namespace.source is None:
-        raise InputError("command line", "--track", " ".join(namespace.track_ids), Sentence("used only with --from"))
+        raise OptionError("--track", "used only with --from")
 
     if namespace.stops is not None and namespace.source is not None:
-        raise InputError("command line", "--stops", namespace.stops, Sentence("cannot be given with --from"))
+        raise OptionError("--stops", "cannot be given with --from")
 
     def text_in(folder: Path) -> str:
         if namespace.stops is not None:

@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from railhil.common.command_line import whole_number
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Sentence, Words
 from railhil.common.extras import need
 from railhil.judge.fault_report import check_faults, transports_of
 from railhil.judge.result import Result
@@ -89,15 +89,12 @@ def check_panel(namespace: argparse.Namespace, spec: RunSpec) -> None:
     if namespace.catalogue and namespace.panel is None and namespace.operator is None:
         raise InputError("command line", "--catalogue", Words("without a panel"), _PANEL_ONLY)
     if namespace.catalogue and (namespace.attach or namespace.no_controller):
-        found = Words("beside nodes that are running already")
-        allowed = Sentence("used only with nodes that railhil run starts, with its faults")
-        raise InputError("command line", "--catalogue", found, allowed)
+        raise OptionError("--catalogue", "used only with nodes that railhil run starts, with its faults")
     if namespace.foxglove is not None and namespace.panel is None:
-        raise InputError("command line", "--foxglove", namespace.foxglove, Sentence("used only with --panel"))
+        raise OptionError("--foxglove", "used only with --panel")
     asked = "--panel" if namespace.panel is not None else "--operator" if namespace.operator is not None else ""
     if asked and spec.is_local:
-        allowed = Sentence("cannot be given with --bus local: a panel listens to a run over a bus")
-        raise InputError("command line", asked, Words("beside --bus local"), allowed)
+        raise OptionError(asked, "cannot be given with --bus local: a panel listens to a run over a bus")
     if namespace.panel is not None:
         require_websockets()
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railhil.bus.ident import PACES, PltIdent, is_perturbed
 from railhil.common.digits import count_of
-from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.common.errors import InputError, OptionError, Words, did_you_mean
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output
 from railhil.common.streams import add_json_argument, print_json
@@ -82,7 +82,7 @@ def _spec(record: Record, namespace: argparse.Namespace) -> RunSpec:
     controller, arithmetic, (fmu, given) = namespace.controller, namespace.arithmetic, named_code(namespace)
     system = record.system
     if namespace.node == "controller" and fmu is not None:
-        raise InputError("command line", FMU_OPTION, fmu.file, Sentence("used only with --node plant"))
+        raise OptionError(FMU_OPTION, "used only with --node plant")
     if record.certificate:
         # The controller needs no plant.
         left_out = {FMU_KEY} if namespace.node == "controller" else set()

@@ -18,7 +18,7 @@ from railhil.bus.can_settings import add_bus_arguments, named_bus
 from railhil.cli.panel import PanelBeside, add_panel_arguments, check_panel, with_catalogue, with_emergency
 from railhil.cli.progress import Progress
 from railhil.common.command_line import USUAL_SCENARIO
-from railhil.common.errors import Faults, InputError, Sentence, Words
+from railhil.common.errors import Faults, InputError, OptionError
 from railhil.common.streams import add_json_argument, print_json, say
 from railhil.common.user_files import given_text
 from railhil.record.signature import add_sign_argument, check_key, sign_list
@@ -47,7 +47,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.plant_fmu import OPTION as FMU_OPTION
 from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec, StartUp
-from railhil.scenarios.system import DEFAULT, System, system_named, told_systems
+from railhil.scenarios.system import System, told_systems
 
 if TYPE_CHECKING:
     from railhil.common.output import Output
@@ -70,11 +70,6 @@ def add_arguments(parser: argparse.ArgumentParser, bus: str = "auto", scenario: 
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     add_option(parser, "--bus", default=bus, usual=bus)
     add_bus_arguments(parser)
-
-
-def law_names(system: System | None = None) -> list[str]:
-    """Names of the installed laws of a system, in the order of every table; None: of railhil's own system."""
-    return (system or system_named(DEFAULT)).law_names()
 
 
 def run_system(namespace: argparse.Namespace) -> System:
@@ -176,28 +171,23 @@ def _read_spec(namespace: argparse.Namespace) -> RunSpec:
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     given += ["--bus local"] * spec.is_local
     if len(given) > 1:
-        allowed = Sentence(f"cannot be given with {given[0]}")
-        raise InputError("command line", given[1], Words(f"beside {given[0]}"), allowed)
+        raise OptionError(given[1], f"cannot be given with {given[0]}")
     if (namespace.attach or namespace.no_controller) and spec.law.task_period_ms:
         raise InputError("command line", "--task-period-ms", spec.law.task_period_ms, f"0 with {given[0]}")
     if (namespace.attach or namespace.no_controller) and (spec.memory_store or spec.law.memory):
-        found = Words("a memory of the law")
-        allowed = Sentence("used only without a memory of the law: the controller of somebody else is not given it")
-        raise InputError("command line", given[0], found, allowed)
+        raise OptionError(
+            given[0], "used only without a memory of the law: the controller of somebody else is not given it"
+        )
     if namespace.controller_name and not namespace.no_controller:
-        allowed = Sentence("used only with --no-controller")
-        raise InputError("command line", "--controller-name", namespace.controller_name, allowed)
+        raise OptionError("--controller-name", "used only with --no-controller")
     if namespace.rerun_command and not namespace.attach:
-        allowed = Sentence("used only with --attach")
-        raise InputError("command line", "--rerun-command", namespace.rerun_command, allowed)
+        raise OptionError("--rerun-command", "used only with --attach")
     if namespace.fault_logs is not None and not namespace.attach:
-        raise InputError("command line", "--fault-logs", str(namespace.fault_logs), Sentence("used only with --attach"))
+        raise OptionError("--fault-logs", "used only with --attach")
     if namespace.attach and spec.plant_fmu is not None:
-        allowed = Sentence("cannot be given with --attach, but on the command line of the plant")
-        raise InputError("command line", FMU_OPTION, Words("beside --attach"), allowed)
+        raise OptionError(FMU_OPTION, "cannot be given with --attach, but on the command line of the plant")
     if namespace.no_rt and not spec.is_realtime:
-        allowed = Sentence("used only with --pace realtime")
-        raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), allowed)
+        raise OptionError("--no-rt", "used only with --pace realtime")
     how = replace(
         start_up(namespace),
         attach=namespace.attach,

@@ -10,7 +10,7 @@ from typing import Any
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, is_perturbed, laws_of_code
 from railhil.bus.store import TrafficStore
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import OptionError
 from railhil.common.plug_ins import entries
 from railhil.controller_node.telemetry_file import law_notes
 from railhil.dbc import house_contract
@@ -43,7 +43,7 @@ def named_scenario(name: str | None, settings: Sequence[str], faults: Sequence[s
         return load_any(name, settings, faults)
     if settings or faults:
         option = "--set" if settings else "--fault"
-        raise InputError("command line", option, Words("without a scenario"), Sentence("used only after a SCENARIO"))
+        raise OptionError(option, "used only after a SCENARIO")
     return None
 
 

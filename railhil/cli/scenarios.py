@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from rich.table import Column
+
 from railhil.cli.result_printer import print_watch
-from railhil.common.errors import InputError, Sentence
-from railhil.common.output import Output, table
+from railhil.common.errors import OptionError
+from railhil.common.output import Output, number, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.scenarios.load import load_any, names, short_names
 from railhil.scenarios.model import AnyScenario
@@ -49,21 +51,17 @@ def _row(scenario: AnyScenario) -> dict[str, object]:
 def work(namespace: argparse.Namespace) -> int:
     """Print the table (or JSON)."""
     if namespace.set and not namespace.scenario:
-        raise InputError("command line", "--set", namespace.set[0], Sentence("used only with a scenario"))
+        raise OptionError("--set", "used only with a scenario")
     found = (
         [load_any(namespace.scenario, namespace.set)] if namespace.scenario else [load_any(name) for name in names()]
     )
     if namespace.json:
         print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
         return 0
-    rows = table()
-    console = Output()
+    console, short = Output(), short_names()
     # The user will type the name, so it is never truncated.
-    rows.add_column("scenario", overflow="fold", no_wrap=console.width >= _NAMES_COLUMNS)
-    rows.add_column("line")
-    rows.add_column("m", justify="right", no_wrap=True)
-    rows.add_column("s", justify="right", no_wrap=True)
-    short = short_names()
+    name = Column("scenario", overflow="fold", no_wrap=console.width >= _NAMES_COLUMNS)
+    rows = table(name, "line", number("m"), number("s"))
     for scenario in found:
         rows.add_row(
             short.get(scenario.name, scenario.name),

@@ -271,6 +271,11 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     return number
 
 
+def name_list(text: str) -> tuple[str, ...]:
+    """An option's type: names with commas between them."""
+    return tuple(name.strip() for name in text.split(","))
+
+
 def seed_list(text: str, most: int) -> list[int]:
     """Seeds and ranges of seeds such as ``0-7,20``, in the order of the text; for an option's type. Blanks beside
     numbers and leading zeros are allowed.

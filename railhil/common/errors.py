@@ -150,6 +150,14 @@ class InputError(Exception):
         return f"found {short_repr(self.found)}, allowed {allowed}"
 
 
+class OptionError(InputError):
+    """An option of the command line that is not used here; ``said``: a sentence whose subject is the option."""
+
+    def __init__(self, option: str, said: str) -> None:
+        super().__init__("command line", option, Words(), Sentence(said))
+        self.args = (option, said)
+
+
 class InputErrors(InputError):
     """Several errors in one line; the fields come from the first."""
 

@@ -6,8 +6,8 @@ import argparse
 import re
 import sys
 
-from railhil.common.command_line import OneLineParser
-from railhil.common.errors import InputError, Sentence
+from railhil.common.command_line import OneLineParser, name_list
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import run_guarded
 from railhil.hunt.cases import STRATEGIES
 from railhil.hunt.plan import DESCENT, RUNS_MAX, Plan, Request
@@ -17,10 +17,6 @@ from railhil.study.command import Command, add_engine_arguments, add_folder_argu
 _VERIFIED_RUNS = 3
 _TIME = re.compile(r"(\d+(?:\.\d+)?)(s|min|h)", re.ASCII)
 _UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -45,7 +41,7 @@ def arguments() -> argparse.ArgumentParser:
     add_options(parser, "--set")
     add_option(parser, "--requirements", default=None)
     note = " requirements the object of the search: ids, or their beginnings"
-    add_option(parser, "--only", note, metavar="INV-4,...", type=_names)
+    add_option(parser, "--only", note, metavar="INV-4,...", type=name_list)
     add_option(parser, "--controller", OR_YOURS)
     add_option(parser, "--arithmetic")
     add_number(parser, Request, "runs", f" of the search; with --verify {_VERIFIED_RUNS} of all")
@@ -57,7 +53,7 @@ def arguments() -> argparse.ArgumentParser:
         "--strategy", choices=(*STRATEGIES, DESCENT), help="how cases are made (default: auto, random ones in turn)"
     )
     note = "what is disturbed: faults, or levels, places and words of them, and draws (default: faults)"
-    parser.add_argument("--what", type=_names, metavar="sensors,adhesion,...", help=note)
+    parser.add_argument("--what", type=name_list, metavar="sensors,adhesion,...", help=note)
     parser.add_argument("--all", action="store_true", help="shrink and keep every case that violates something")
     note = "state the tightest bound of each kept requirement that held in all runs, and write these sentences"
     parser.add_argument("--tighten", action="store_true", help=note)
@@ -77,7 +73,7 @@ def _time_s(text: str) -> float:
 def _check(namespace: argparse.Namespace) -> None:
     if namespace.time is not None:
         if namespace.shard is not None:
-            raise InputError("command line", "--time", "--shard", Sentence("used only without --shard"))
+            raise OptionError("--time", "used only without --shard")
         if namespace.runs is None and namespace.resume is None and namespace.verify is None:
             # It ends by time.
             namespace.runs = RUNS_MAX

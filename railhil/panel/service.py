@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from railhil.bus.can_settings import named_bus
 from railhil.bus.select import arguments_from_config, choose_bus
 from railhil.cli.run_identity import RunIdentity, named_scenario
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 from railhil.common.exit_codes import ending_signals
 from railhil.common.extras import need
 from railhil.common.output import Output
@@ -49,8 +49,9 @@ def serve_panel(namespace: argparse.Namespace) -> int:
         end_with_parent()
     if any(Path(text).is_dir() for text in namespace.what):
         if namespace.foxglove is not None:
-            allowed = Sentence("cannot be given with run folders; railhil export --mcap makes a file of one")
-            raise InputError("command line", "--foxglove", Words("beside run folders"), allowed)
+            raise OptionError(
+                "--foxglove", "cannot be given with run folders; railhil export --mcap makes a file of one"
+            )
         panel = _recorded_panel(namespace)
         return asyncio.run(_serve(panel, Output(stderr=True), _ENDED_BY))
     if len(namespace.what) > 1:
@@ -136,8 +137,7 @@ def _make_receiver(given: Mapping[str, Any], follow: str | None) -> Receiver:
         return Receiver(choose_bus(given).config)
     if given:
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
-        allowed = Sentence(f"cannot be given with {found} or any other option of a bus")
-        raise InputError("command line", "--follow", found, allowed)
+        raise OptionError("--follow", f"cannot be given with {found} or any other option of a bus")
     folder = Path(follow)
     if not folder.is_dir():
         raise InputError(folder, "", Words("does not exist"), "the folder of a run that is being made")

@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from railhil.common.command_line import OneLineParser, number, whole_number
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import run_guarded
 from railhil.probability.plan import METHODS, Plan, Request, find_making
 from railhil.scenarios.options import add_option, add_options
@@ -70,7 +70,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _check_runs(namespace: argparse.Namespace) -> None:
     if namespace.runs is not None and namespace.verify is None:
-        raise InputError("command line", "--runs", namespace.runs, Sentence("used only with --verify"))
+        raise OptionError("--runs", "used only with --verify")
 
 
 COMMAND: Command[Plan] = Command(

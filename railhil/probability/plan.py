@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from railhil.common.command_line import ARITHMETICS, SEED_MAX, USUAL_SCENARIO
-from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.common.errors import InputError, OptionError, Words, did_you_mean
 from railhil.controller_node.controller import make_controller_node
 from railhil.judge.requirements.requirement import (
     Requirement,
@@ -264,12 +264,10 @@ def find_making(plan: Plan) -> tuple[str, str | None]:
 
 def _requirement(request: Request, scenario: AnyScenario) -> Requirement:
     if bool(request.says) == bool(request.requirement):
-        told = Sentence("one of them is needed: the id of a requirement, or a sentence")
-        raise InputError("command line", "--requirement, --says", None, told)
+        raise OptionError("--requirement, --says", "one of them is needed: the id of a requirement, or a sentence")
     if request.says:
         if request.requirements:
-            given = list(request.requirements)
-            raise InputError("command line", "--requirements", given, Sentence("used only with --requirement"))
+            raise OptionError("--requirements", "used only with --requirement")
         tables = {"requirement": [{"id": _SAID, "says": request.says}]}
         return requirements_in(tables, "command line --says")[0]
     own = scenario_requirements(request.scenario, request.settings)

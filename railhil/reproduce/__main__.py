@@ -11,10 +11,10 @@ from pathlib import Path
 
 from railhil.charts.figure import Figure
 from railhil.common.command_line import OneLineParser, run_command, seed_list
-from railhil.common.errors import InputError, Sentence, Words, did_you_mean
+from railhil.common.errors import InputError, OptionError, did_you_mean
 from railhil.common.exit_codes import INVALID, PASS, run_guarded
 from railhil.common.extras import install_command
-from railhil.common.output import Output, table
+from railhil.common.output import Output, number, table
 from railhil.common.streams import add_json_argument, print_json
 from railhil.common.user_files import check_writable, refuse_unwritable
 from railhil.reproduce.comparison import FOLLOWS, FOLLOWS_NOT, IN_PART, Table
@@ -144,12 +144,13 @@ def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
     if namespace.paper is None:
         for option in ("seeds", "out", "keep_runs", "measured", "only"):
             if getattr(namespace, option):
-                allowed = Sentence(f"used only with a paper: one of {', '.join(papers)}")
-                raise InputError("command line", f"--{option.replace('_', '-')}", Words("no paper"), allowed)
+                raise OptionError(
+                    f"--{option.replace('_', '-')}", f"used only with a paper: one of {', '.join(papers)}"
+                )
         _list([find_paper(name, papers) for name in papers], namespace.json)
         return PASS
     if namespace.keep_runs and namespace.out is None:
-        raise InputError("command line", "--keep-runs", namespace.keep_runs, Sentence("used only with --out DIR"))
+        raise OptionError("--keep-runs", "used only with --out DIR")
     return _reproduce(find_paper(namespace.paper, papers), namespace)
 
 
@@ -190,12 +191,8 @@ def _list(papers: Sequence[Paper], as_json: bool) -> None:
     if as_json:
         print_json([{"paper": one.name, "title": one.text.title, "source": one.text.source} for one in papers])
         return
-    rows = table()
-    for name in ("paper", "title", "entries"):
-        rows.add_column(name, justify="right" if name == "entries" else "left")
-    for paper in papers:
-        rows.add_row(paper.name, paper.text.title, str(len(paper.plan(paper.text.seeds))))
-    Output().print(rows)
+    rows = ((paper.name, paper.text.title, str(len(paper.plan(paper.text.seeds)))) for paper in papers)
+    Output().print(table("paper", "title", number("entries"), rows=rows))
 
 
 def _show(console: Output, paper: Paper, results: Results) -> None:
@@ -219,10 +216,9 @@ def _show(console: Output, paper: Paper, results: Results) -> None:
 
 def _show_table(console: Output, shown: Table) -> None:
     console.say(shown.title, style="bold")
-    rows = table(tight=True)
-    for place, name in enumerate(shown.headings):
-        is_number = shown.first_number <= place < len(shown.headings) - 1
-        rows.add_column(name, justify="right" if is_number else "left", no_wrap=is_number)
+    numbers = range(shown.first_number, len(shown.headings) - 1)
+    heads = (number(name) if place in numbers else name for place, name in enumerate(shown.headings))
+    rows = table(*heads, tight=True)
     before = ""
     for line in shown.lines:
         first, *cells = shown.cells(line)

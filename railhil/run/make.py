@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError
 from railhil.common.exit_codes import FAIL, INVALID, USAGE
 from railhil.common.user_files import NO_ROOM
 from railhil.judge.fault_report import check_faults, transports_of
@@ -138,8 +138,9 @@ def _check_given(spec: RunSpec) -> None:
     if isinstance(given, RecordedController):
         raise given.refuse()
     if spec.start_up.foreign and not given.may_be_foreign:
-        said = Sentence("cannot be given with --no-controller: another program is the controller")
-        raise InputError("command line", f"--controller {given.text}", Words(), said)
+        raise OptionError(
+            f"--controller {given.text}", "cannot be given with --no-controller: another program is the controller"
+        )
     if given.is_here_only and not spec.is_local:
         allowed = "local with a function or an object; FILE.py:NAME runs on every bus"
         raise InputError("railhil.run", "bus", spec.bus, allowed)

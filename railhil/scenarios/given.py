@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import InputError, OptionError, Sentence
 from railhil.common.plug_ins import entries
 from railhil.common.user_files import open_given, refuse_unreadable
 from railhil.scenarios.plant_fmu import PlantFmu, check_recorded_fmu
@@ -277,8 +277,7 @@ class NamedCode(NamedTuple):
         if given is None:
             return NamedCode(fmu, recorded)
         if recorded is None:
-            said = Sentence(f"cannot be given: the run of {file} had a law")
-            raise InputError("command line", OPTION, given.text, said)
+            raise OptionError(OPTION, f"cannot be given: the run of {file} had a law")
         if given is not recorded:
             recorded.check_same(given)
         return NamedCode(fmu, given)

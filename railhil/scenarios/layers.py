@@ -127,6 +127,10 @@ class Layers:
             return self.main
         return self._stack[len(depths) - 1 - depths[::-1].index(deepest)][0]
 
+    def refuse(self, keys: Keys, found: object, allowed: str) -> InputError:
+        """The error for the value of a key."""
+        return InputError(self.origin(*keys), join_keys(keys), found, allowed)
+
     def refer(self, keys: Keys, value: object, folder: Path) -> Path:
         """The file that a key names: a shipped name, or a path relative to the file that gives the key.
 

@@ -26,7 +26,7 @@ from railhil.common.command_line import (
     seconds,
     whole_number,
 )
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.scenarios.given import FMU_MAP_OPTION, FMU_OPTION, NamedCode, given_controller, refuse_beside
 from railhil.scenarios.operator_commands import ORDER
@@ -367,12 +367,10 @@ def named_controller(namespace: argparse.Namespace) -> str | None:
     text: str | None = getattr(namespace, "controller", None)
     if namespace.controller_fmu is None:
         if namespace.controller_fmu_map is not None:
-            only = Sentence(f"used only with {FMU_OPTION}")
-            raise InputError("command line", FMU_MAP_OPTION, namespace.controller_fmu_map, only)
+            raise OptionError(FMU_MAP_OPTION, f"used only with {FMU_OPTION}")
         return text
     if text is not None:
-        only = Sentence("used only without --controller")
-        raise InputError("command line", FMU_OPTION, namespace.controller_fmu, only)
+        raise OptionError(FMU_OPTION, "used only without --controller")
     names = namespace.controller_fmu_map
     return namespace.controller_fmu if names is None else f"{namespace.controller_fmu}:{names}"
 
@@ -384,7 +382,7 @@ def named_fmu(namespace: argparse.Namespace) -> PlantFmu | None:
     """
     if namespace.plant_fmu is None:
         if namespace.fmu_map is not None:
-            raise InputError("command line", MAP_OPTION, namespace.fmu_map, Sentence(f"used only with {OPTION}"))
+            raise OptionError(MAP_OPTION, f"used only with {OPTION}")
         return None
     file = Path(namespace.plant_fmu)
     found = PlantFmu(str(file), namespace.fmu_map or str(file.with_suffix(".toml")))

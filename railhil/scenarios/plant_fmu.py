@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import InputError, OptionError
 from railhil.common.user_files import open_given, refuse_unreadable
 
 OPTION, MAP_OPTION = "--plant-fmu", "--fmu-map"
@@ -63,9 +63,7 @@ def check_recorded_fmu(document: Mapping[str, Any], file: str | Path, given: Pla
     recorded = document.get(KEY)
     if not recorded:
         if given is not None:
-            raise InputError(
-                "command line", OPTION, given.file, Sentence(f"cannot be given: the run of {file} had no FMU")
-            )
+            raise OptionError(OPTION, f"cannot be given: the run of {file} had no FMU")
         return None
     found = str(recorded.get("file", "an FMU") if isinstance(recorded, Mapping) else recorded)
     if given is None:

@@ -42,7 +42,7 @@ from railhil.scenarios.schema import (
     TimingTable,
 )
 from railhil.scenarios.system import OfSystem, System
-from railhil.scenarios.validation import Refuse, join_keys, validate
+from railhil.scenarios.validation import Refuse, validate
 
 _ALLOWED = "a scenario that railhil has written"
 
@@ -173,11 +173,7 @@ class TaskScenarios:
     def read(self, layers: Layers) -> TaskScenario:
         table = layers.merge()
         file: Any = validate(self.file_type, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
-        timing = file.timing.in_ns()
-
-        def refuse(keys: tuple[str | int, ...], found: object, allowed: str) -> InputError:
-            return InputError(layers.origin(*keys), join_keys(keys), found, allowed)
-
+        timing, refuse = file.timing.in_ns(), layers.refuse
         ports = [port.name for port in self._system.contract.ports if port.period_ns]
         for port, period_ns in {"": timing.control_period_ns, **timing.port_period_ns}.items():
             keys = ("timing", "port_period_ms", port) if port else ("timing", "control_period_ms")

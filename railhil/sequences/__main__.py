@@ -7,7 +7,7 @@ import sys
 
 from railhil.batch.nodes import kernel_of, one_by_one
 from railhil.common.command_line import OneLineParser
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import run_guarded
 from railhil.scenarios.options import add_option, add_options
 from railhil.sequences.one import runner_of, sequence_batch_of, through_nodes
@@ -45,7 +45,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def _check_engine(namespace: argparse.Namespace) -> None:
     if namespace.jobs is not None and namespace.scheduler is not None:
-        raise InputError("command line", "--scheduler", namespace.scheduler, Sentence("cannot be given with --jobs"))
+        raise OptionError("--scheduler", "cannot be given with --jobs")
 
 
 def _engine(namespace: argparse.Namespace) -> tuple[str, int | None]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Generic, get_type_hints
 
 from railhil.common.command_line import SEED_MAX, run_command, whole_number
-from railhil.common.errors import InputError, Sentence
+from railhil.common.errors import OptionError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.extras import need
 from railhil.common.output import Output
@@ -119,22 +119,18 @@ def _check_options(
         names += [name for name in ("out", "resume", "shard", *without) if getattr(namespace, name)]
         if extra := [name for name in names if name not in beside]:
             option = extra[0] if extra[0] == "scenario" else f"--{extra[0].replace('_', '-')}"
-            allowed = Sentence(f"cannot be given with {option}, only with --{beside[0]} and --draw")
-            raise InputError("command line", "--verify", option, allowed)
+            raise OptionError("--verify", f"cannot be given with {option}, only with --{beside[0]} and --draw")
     for option, engine in (("jobs", "processes"), ("scheduler", "dask")):
         given = getattr(namespace, option)
         if given is not None and getattr(namespace, "engine", engine) != engine:
-            allowed = Sentence(f"used only with --engine {engine}")
-            raise InputError("command line", f"--{option}", given, allowed)
+            raise OptionError(f"--{option}", f"used only with --engine {engine}")
     if namespace.resume is not None and namespace.out is not None:
-        raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --resume"))
+        raise OptionError("--out", "cannot be given with --resume")
     if namespace.shard is not None:
         if namespace.resume is None and namespace.out is None:
-            allowed = Sentence("used only with --out or --resume, the folder of the shards")
-            raise InputError("command line", "--shard", str(namespace.shard), allowed)
+            raise OptionError("--shard", "used only with --out or --resume, the folder of the shards")
         if namespace.sign is not None:
-            allowed = Sentence("used only with all parts: --resume DIR, not --shard")
-            raise InputError("command line", "--sign", str(namespace.sign), allowed)
+            raise OptionError("--sign", "used only with all parts: --resume DIR, not --shard")
 
 
 def request_from(begun: Any, namespace: argparse.Namespace) -> Any:

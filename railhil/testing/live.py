@@ -26,7 +26,7 @@ from railhil.run.memory import with_memory
 from railhil.run.report import as_recorded
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.testing.result import Run
+from railhil.testing.result import Run, fold_word
 
 if TYPE_CHECKING:
     from railhil.run.branch import Trunk
@@ -99,14 +99,10 @@ def _meets(signal: Signal, raw: int, wanted: Wanted) -> bool:
         return bool(wanted(raw * signal.scale))
     if isinstance(wanted, str):
         words = list(signal.values.values())
-        if _flat(wanted) not in map(_flat, words):
+        if fold_word(wanted) not in map(fold_word, words):
             raise ValueError(_unknown(f"value of {signal.name}", wanted, words))
-        return _flat(signal.values.get(raw, "")) == _flat(wanted)
+        return fold_word(signal.values.get(raw, "")) == fold_word(wanted)
     return raw * signal.scale == wanted
-
-
-def _flat(word: str) -> str:
-    return word.replace(" ", "_").casefold()
 
 
 def _word(signal: Signal, raw: int) -> str:

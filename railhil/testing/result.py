@@ -45,7 +45,8 @@ def injected(folder: Path) -> tuple[Injected, ...]:
     return tuple(Injected(row["fault"], row["begun_s"], row["effect_s"], row["ended_s"], row["hits"]) for row in rows)
 
 
-def _flat(level: str) -> str:
+def fold_word(level: str) -> str:
+    """The form in which words of the bench and of a test are compared."""
     return level.replace(" ", "_").casefold()
 
 
@@ -55,12 +56,12 @@ def watch_times_s(events: Sequence[RecordedEvent], level: str) -> list[tuple[flo
     :raises ValueError: no watch has this level.
     """
     reactions = [event for event in events if event.kind == LEVEL]
-    ranks = {_flat(name): rank for rank, name in enumerate(WATCH_LEVELS)} | {
-        _flat(one.level): one.rank for one in reactions
+    ranks = {fold_word(name): rank for rank, name in enumerate(WATCH_LEVELS)} | {
+        fold_word(one.level): one.rank for one in reactions
     }
-    if _flat(level) not in ranks:
+    if fold_word(level) not in ranks:
         raise ValueError(f"no level {level!r} of the watches, allowed {', '.join(WATCH_LEVELS[1:])}")
-    wanted = ranks[_flat(level)]
+    wanted = ranks[fold_word(level)]
     return [(one.time_s, one.until_s or one.time_s) for one in reactions if one.rank >= wanted]
 
 

@@ -13,7 +13,7 @@ from railhil.common.command_line import (
     seed_list,
     whole_number,
 )
-from railhil.common.errors import InputError, Sentence, Words
+from railhil.common.errors import InputError, OptionError, Words
 from railhil.common.streams import add_json_argument
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.options import add_option
@@ -108,10 +108,10 @@ def check_combination(namespace: argparse.Namespace) -> None:
     if namespace.first_seed + namespace.runs - 1 > SEED_MAX:
         raise InputError("command line", "--seed, --runs", namespace.first_seed, f"a last seed of at most {SEED_MAX}")
     if namespace.list and namespace.law is not None:
-        raise InputError("command line", "--list", namespace.law, Sentence("cannot be given with a law"))
+        raise OptionError("--list", "cannot be given with a law")
     if namespace.evaluate is not None:
         if namespace.out is not None:
-            raise InputError("command line", "--out", namespace.out, Sentence("cannot be given with --evaluate"))
+            raise OptionError("--out", "cannot be given with --evaluate")
         if namespace.runs == 0:
             raise InputError("command line", "--runs", namespace.runs, "at least 1 beside --evaluate")
     elif namespace.law is None and not namespace.list:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhil.charts.figure import Area, Chart, Curve, Figure, FloatArray, Look, Point, extent
+from railhil.batch.case import column
+from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point, extent
 from railhil.reproduce.ilc.findings import EPSILONS_M, PRINTED, READINGS, find_mean_errors, list_entries
 from railhil.reproduce.ilc.runs import MEAN, NO_FILTER, P95, PAPER_CASE, RMS, RUNS, name_run_figure
 from railhil.reproduce.paper import Results
@@ -51,7 +52,7 @@ def _draw_figure_6(results: Results) -> Figure:
 def _draw_table_2(results: Results) -> Figure:
     tolerances = np.array(EPSILONS_M)
     curves = [
-        Curve(reading, tolerances, _as_array(find_mean_errors(results, reading)), Look(f"{number}", 1.5))
+        Curve(reading, tolerances, column(find_mean_errors(results, reading)), Look(f"{number}", 1.5))
         for number, reading in enumerate(READINGS)
     ]
     published = [Point("published", float(at), pair[0], _PUBLISHED) for at, pair in PRINTED["table_2"].items()]
@@ -73,12 +74,8 @@ def _draw_ours(results: Results) -> Figure:
 def _draw_runs(results: Results, key: str, figure: str, label: str, look: Look) -> Curve:
     """The decimal logarithm of a figure over the number of the run."""
     numbers = range(1, RUNS + 1)
-    values = _as_array([results.find(key, name_run_figure(figure, number)) for number in numbers])
+    values = column([results.find(key, name_run_figure(figure, number)) for number in numbers])
     return Curve(label, np.array(numbers, dtype=np.float64), np.log10(np.where(values > 0, values, np.nan)), look)
-
-
-def _as_array(values: Sequence[float | None]) -> FloatArray:
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def _make_log_chart(

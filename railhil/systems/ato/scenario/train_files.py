@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import Words
 from railhil.dbc import wire_contract
 from railhil.scenarios.carried import check_carried
 from railhil.scenarios.layers import DATA, Layers, add_own_words
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.schema import FAULT_TAGS
-from railhil.scenarios.validation import Keys, Refuse, join_keys, validate
+from railhil.scenarios.validation import Refuse, validate
 from railhil.systems.ato.scenario import check, convert, model
 from railhil.systems.ato.scenario.canonical import scenario_sha256
 from railhil.systems.ato.scenario.check import train_reaches
@@ -42,10 +42,7 @@ def read_parts(path: Path) -> Parts:
 
 def _parts(layers: Layers) -> Parts:
     path = layers.main
-
-    def refuse(keys: Keys, found: object, allowed: str) -> InputError:
-        return InputError(layers.origin(*keys), join_keys(keys), found, allowed)
-
+    refuse = layers.refuse
     file = validate(ScenarioFile, layers.merge(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
     if path.parent == _RUNS and file.name != path.stem:
         raise refuse(("name",), file.name, f"{path.stem}, the name of the file")

@@ -40,12 +40,12 @@ class Instants:
     @property
     def arrival_late_s(self) -> float | None:
         """Lateness of the arrival in s."""
-        return _less(self.stood_s, self.due_arrival_s)
+        return less(self.stood_s, self.due_arrival_s)
 
     @property
     def departure_late_s(self) -> float | None:
         """Lateness of the departure in s."""
-        return _less(self.departed_s, self.due_departure_s)
+        return less(self.departed_s, self.due_departure_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,5 +138,6 @@ def early_excused_s(scenario: LineScenario, section: Section) -> float:
     return max(0.0, section.running_time_s - ordered_time_s(scenario, section, mode))
 
 
-def _less(instant_s: float | None, due_s: float | None) -> float | None:
+def less(instant_s: float | None, due_s: float | None) -> float | None:
+    """How much later an instant is than another, s; None if one of them is not known."""
     return None if instant_s is None or due_s is None else instant_s - due_s

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from railhil.systems.ato.judge import journey
 from railhil.systems.ato.scenario.envelope import CurveError
 from railhil.systems.line.judge.course import Course, Visit, stop_name
 from railhil.systems.line.judge.doors import Doors
-from railhil.systems.line.judge.lateness import Instants, delay_of, early_excused_s, excused_s, nominal_exchange_s
+from railhil.systems.line.judge.lateness import Instants, delay_of, early_excused_s, excused_s, less, nominal_exchange_s
 from railhil.systems.line.judge.motion import Motion
 from railhil.systems.line.judge.protection import ProtectionRecord
 from railhil.systems.line.judge.stop import LineStop, SectionFigures
@@ -83,7 +82,7 @@ class LineRun:
         is_late = late_s is not None and late_s > self.scenario.timing.control_period_ns / 1e9
         arriving = next((one for one in self.scenario.sections if one.arrival == visit.stop), None)
         departing = next((one for one in self.scenario.sections if one.departure == visit.stop), None)
-        drawn_s = _less(instants.exchange.ended_s, instants.opened_s)
+        drawn_s = less(instants.exchange.ended_s, instants.opened_s)
         usual_s = nominal_exchange_s(self.scenario, of.dwell_min_s)
         stop = LineStop(
             planned,
@@ -95,9 +94,9 @@ class LineRun:
             platform=of.platform,
             dwell_nominal_s=of.dwell_min_s if instants.opened_s is not None else None,
             dwell_drawn_s=None if drawn_s is None else of.dwell_min_s + drawn_s - usual_s,
-            dwell_s=_less(instants.departed_s, instants.stood_s),
-            opened_after_s=_less(instants.opened_s, instants.stood_s),
-            moved_after_s=_less(self._moves_s(instants.departed_s), instants.due_departure_s),
+            dwell_s=less(instants.departed_s, instants.stood_s),
+            opened_after_s=less(instants.opened_s, instants.stood_s),
+            moved_after_s=less(self._moves_s(instants.departed_s), instants.due_departure_s),
             delay=delay,
             late_for=delay.cause if is_late else "",
             jogs=len(visit.creeps),
@@ -278,7 +277,3 @@ def forged_ports(scenario: LineScenario) -> frozenset[str]:
             found |= {port.name for port in scenario.installed_system.contract.ports}
         found.add(fault.place.name)
     return frozenset(found)
-
-
-def _less(instant_s: Any, from_s: Any) -> float | None:
-    return None if instant_s is None or from_s is None else instant_s - from_s

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from railhil.common.errors import InputError, short_number
+from railhil.common.errors import short_number
 from railhil.dbc import Contract
 from railhil.scenarios.layers import DATA, Layers, add_own_words, read_toml
 from railhil.scenarios.model import PublishedScore
 from railhil.scenarios.schema import FAULT_TAGS
-from railhil.scenarios.validation import Keys, Refuse, join_keys, validate
+from railhil.scenarios.validation import Keys, Refuse, validate
 from railhil.systems.ato.scenario import convert
 from railhil.systems.ato.scenario import model as ato
 from railhil.systems.ato.scenario.schema import TRAIN_TAGS, TrackTable
@@ -45,10 +45,7 @@ def read_line_scenario(
     :param faults_of: reads its faults, which may begin by the timetable of its stops.
     :raises InputError: it is wrong.
     """
-
-    def refuse(keys: Keys, found: object, allowed: str) -> InputError:
-        return InputError(layers.origin(*keys), join_keys(keys), found, allowed)
-
+    refuse = layers.refuse
     table = _leave_replaced(layers)
     file = validate(schema.LineScenarioFile, table, lambda keys: layers.origin(*keys), _TAGS)
     if layers.main.parent == DATA / "runs" and file.name != layers.main.stem:
