@@ -27,7 +27,7 @@ def test_every_number_is_whole_at_every_width(rows: list[list[list[str]]], width
     console = Output()
     console.file, console.width = io.StringIO(), width
     columns = min(map(len, rows))
-    made = table(data.draw(st.booleans()))
+    made = table(tight=data.draw(st.booleans()))
     for place in range(columns):
         made.add_column(
             f"h{place}", justify=data.draw(st.sampled_from(("left", "right"))), no_wrap=data.draw(st.booleans())
