@@ -73,11 +73,14 @@ class Decision:
         )
 
 
-def decision_figure(found: Decision, name: str) -> Figure:
-    """The continuations that fail, over the instant.
+def decision_figure(document: Mapping[str, Any] | None, name: str) -> Figure | None:
+    """The continuations that fail, over the instant; None: a sentence says all, because there is at most one instant.
 
-    :param name: its anchor in the page.
+    :param document: a decision as JSON; None: it is not known. :param name: its anchor in the page.
     """
+    if document is None or len(document["at_s"]) < 2:
+        return None
+    found = Decision.from_json(document)
     look = Look("0", marker="o", marker_px=5.0)
     points = [
         Point("", at_s, failed, look, text=f"from {at_s:g} s: {failed} of {found.runs} fail")

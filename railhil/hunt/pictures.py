@@ -67,8 +67,8 @@ def figures(name: str, sides: Sequence[Side], drawn: DrawnSentence | None, outco
         return []
     if near is None:
         return [whole]
-    curves = "; ".join(_CURVES[one.number] for one in sides)
-    caption = f"{curves}. A margin below 0 is no violation yet where the sentence allows a time."
+    curves = f"{'; '.join(_CURVES[one.number] for one in sides)}. " if len(sides) > 1 else ""
+    caption = f"{curves}A margin below 0 is no violation yet where the sentence allows a time."
     return [
         Figure(f"{name}-near", "What decides", caption, _charts(f"{name}-near", sides, drawn, outcome, near)),
         whole,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.batch.decision import Decision, decision_figure
+from railhil.batch.decision import decision_figure
 from railhil.charts.figure import Figure
 from railhil.hunt.draws import draws_sentence
 from railhil.hunt.found import FOUND, PASSING, WITHOUT
@@ -71,7 +71,6 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
         parts = drawn.parts(grid, min(grid.tick_at(outcome.instant_s), grid.count - 1))
     file = shlex.quote(f"{FOUND}/{one['name']}.toml")
     pictures: list[Figure] = figures(one["name"], sides, drawn, outcome) if sides else []
-    decided = one.get("decided")
     return {
         **one,
         "found": found_sentence(one),
@@ -83,7 +82,7 @@ def _case(plan: Plan, one: Mapping[str, Any], folder: Path, is_drawn: bool) -> d
         "outcome": outcome,
         "saved": saved_sentence(one),
         "pictures": pictures,
-        "decision": decision_figure(Decision.from_json(decided), f"{one['name']}-decision") if decided else None,
+        "decision": decision_figure(one["decided"], f"{one['name']}-decision"),
         "command": f"railhil run {file}{one['options']}",
     }
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.batch.decision import Decision, decision_figure
+from railhil.batch.decision import decision_figure
 from railhil.charts.figure import Area, Chart, Curve, Figure, Look, Point
 from railhil.probability.plan import Plan
 from railhil.probability.show import lines
@@ -24,21 +24,16 @@ _CAUSE_MIN = 0.005
 def page(plan: Plan, made: Outcome, recorded: str) -> str:
     """The report as one HTML document; ``recorded`` as in :func:`~railhil.report.study_page.study_page`."""
     summary = made.summary
+    decided = (summary["least"] or {}).get("decided")
     first, *told = (line.strip() for line in lines(plan, summary, Path()))
     figures = [
         one
-        for one in (_levels(summary), _repetitions(summary), _causes(summary), _decision(summary))
+        for one in (_levels(summary), _repetitions(summary), _causes(summary), decision_figure(decided, "decision"))
         if one is not None
     ]
     title = f"Probability on {plan.scenario.title}"
     lead = f"{first}: {plan.requirement.says}"
     return study_page(title, lead, [*told[:-1], *figures], warnings=told[-1:], recorded=recorded)
-
-
-def _decision(summary: Mapping[str, Any]) -> Figure | None:
-    """When the noise of the least disturbance has decided; None: it is not known."""
-    decided = (summary["least"] or {}).get("decided")
-    return decision_figure(Decision.from_json(decided), "decision") if decided else None
 
 
 def _levels(summary: Mapping[str, Any]) -> Figure | None:

@@ -14,7 +14,14 @@ from hypothesis import strategies as st
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.batch import decision
-from railhil.batch.decision import Decision, decision_of, find_decision, lost_sentence, scores_that_violate
+from railhil.batch.decision import (
+    Decision,
+    decision_figure,
+    decision_of,
+    find_decision,
+    lost_sentence,
+    scores_that_violate,
+)
 from railhil.common.errors import InputError
 from railhil.judge.record import checked_record
 from railhil.judge.requirements.outcome import judge_requirements
@@ -52,6 +59,12 @@ def violates(result: Result) -> bool:
 )
 def test_the_sentence_claims_what_was_counted(failed: tuple[int, ...], said: str) -> None:
     assert Decision(64, (0.0, 1.0, 2.0, 3.0), failed).sentence.startswith(said)
+
+
+@pytest.mark.parametrize(("count", "is_drawn"), [(0, False), (1, False), (2, True)])
+def test_counts_at_one_instant_are_no_curve(count: int, is_drawn: bool) -> None:
+    document = {"runs": 64, "at_s": [0.0, 2.5][:count], "failed": [64, 64][:count]}
+    assert (decision_figure(document if count else None, "decision") is not None) == is_drawn
 
 
 @pytest.mark.parametrize("by_batch", [True, False])
