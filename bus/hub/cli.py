@@ -29,7 +29,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         examples=["railhil bus hub", "railhil bus hub -c tcp://127.0.0.1:20000 --bitrate-model --arbitration"],
     )
     add_arguments(parser)
-    parser.set_defaults(work=run)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -95,7 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_priority_argument(parser, 0, "0")
 
 
-def run(args: argparse.Namespace) -> int:
+def work(args: argparse.Namespace) -> int:
     """Run the hub with the parsed options; returns the exit code (0, or 2 with one line on standard error)."""
     try:
         if not args.bitrate_model and (args.bitrate is not None or args.data_bitrate is not None):

@@ -29,7 +29,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--score", metavar="SEARCH", nargs="+", type=Path, help="hunts, or folders with entry.toml: print the table"
     )
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

@@ -43,10 +43,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )  # fmt: skip
     add_json_argument(parser)
     add_bus_arguments(parser)
-    parser.set_defaults(work=check)
 
 
-def check(namespace: argparse.Namespace) -> int:
+def work(namespace: argparse.Namespace) -> int:
     """Check the controller on a bus; returns the exit code.
 
     :raises InputError: no such scenario, or the bus is not named rightly.

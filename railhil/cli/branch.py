@@ -41,7 +41,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_options(parser, "--no-report")
     add_code_options(parser)
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

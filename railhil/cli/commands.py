@@ -1,4 +1,4 @@
-"""The command line of ``railhil``: a module for each command, with ``add_parser`` and its implementation."""
+"""The command line of ``railhil``: a module for each command, with ``add_parser`` and ``work``, which executes it."""
 
 from __future__ import annotations
 
@@ -138,7 +138,9 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
             # A program parses its own command line and has its own help.
             commands.add_parser(name, add_help=False)
         else:
-            import_module(_MODULES.get(name, f"railhil.cli.{name}")).add_parser(commands)
+            module = import_module(_MODULES.get(name, f"railhil.cli.{name}"))
+            module.add_parser(commands)
+            commands.choices[name].set_defaults(work=module.work)
     return root
 
 

@@ -59,7 +59,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_sign_argument(parser)
     add_json_argument(parser)
     add_option(parser, "--out DIR", usual="runs/<utc>-<scenario>-compare")
-    parser.set_defaults(work=work)
 
 
 def _laws(text: str, system: System) -> list[str]:

@@ -60,7 +60,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     accept_former_name(parser, "--fmu", FMU_OPTION)
     accept_former_name(parser, "--fmu-scenario", "--scenario")
     add_bus_arguments(parser)
-    parser.set_defaults(work=work)
 
 
 def _bus_sentence(given: Mapping[str, Any], choice: BusChoice) -> str:

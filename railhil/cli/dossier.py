@@ -43,7 +43,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_sign_argument(parser)
     add_option(parser, "--out DIR", default="dossier", usual="dossier")
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

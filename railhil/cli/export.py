@@ -63,7 +63,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     note = ", or the file if there is only one"
     add_option(parser, "--out DIR", note, metavar="PATH", usual="the run folder")
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

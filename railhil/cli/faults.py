@@ -64,7 +64,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_option(parser, "--requirements")
     add_sign_argument(parser)
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def _entries(only: str | None, system: System) -> list[Entry]:

@@ -45,7 +45,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     for verb in (show, verify, export):
         verb.add_argument("memory", type=Path, metavar="DIR|FILE", help=_PATH)
         add_json_argument(verb)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

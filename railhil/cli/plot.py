@@ -24,7 +24,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("plot", examples=["railhil plot runs/mine --out run.png"])
     add_options(parser, "log", "--scenario")
     add_option(parser, "--out FILE", ", a picture (.svg, .png or .pdf)", usual="run.svg beside the log")
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

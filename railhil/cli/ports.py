@@ -40,7 +40,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_option(parser, "--dbc")
     parser.add_argument("--write-dbc", metavar="FILE", type=Path, help="write the DBC, for cantools and other tools")
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def _port(contract: Contract, name: str) -> Port:

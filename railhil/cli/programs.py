@@ -50,7 +50,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="controller or plant: which node; each has a --help of its own",
     )
     node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
-    node.set_defaults(work=lambda namespace: _become(NODES[namespace.role], namespace.arguments))
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Execute the node."""
+    return _become(NODES[namespace.role], namespace.arguments)
 
 
 def become_program(arguments: list[str]) -> None:

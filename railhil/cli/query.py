@@ -37,7 +37,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("statement", metavar="SQL", help="a statement of DuckDB over the tables below")
     add_index_arguments(parser)
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

@@ -48,7 +48,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     add_options(parser, "--scenario", "--no-return", "--campaign")
     add_option(parser, "--out FILE", usual="report.html in the folder; of several folders, here")
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

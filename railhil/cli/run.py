@@ -143,7 +143,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         # Only options given here override environment and file.
         if action.dest in _DESTINATIONS.values():
             action.default = argparse.SUPPRESS
-    parser.set_defaults(work=work)
 
 
 def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> RunSpec:

@@ -84,7 +84,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )  # fmt: skip
     add_json_argument(parser)
     add_option(parser, "--out FILE", ": the page of all folders, which opens offline", usual="")
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

@@ -33,7 +33,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_option(parser, "scenario", ", to be checked and described", default=None, usual="all shipped ones are listed")
     add_option(parser, "--set")
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def _row(scenario: AnyScenario) -> dict[str, object]:

@@ -37,7 +37,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_options(parser, "log", "--scenario", "--requirements")
     parser.add_argument("--results", metavar="PATH", help="write a copy of the list in ReqIF with the outcomes")
     add_json_argument(parser)
-    parser.set_defaults(work=work)
 
 
 def further_required(record: Record, words: Sequence[str], scenario: str = "") -> Record:

@@ -47,7 +47,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_option(parser, "--controller", ", whose notes are then named", usual="")
     add_options(parser, "--set", "--fault")
     add_bus_arguments(parser)
-    parser.set_defaults(work=work)
 
 
 def work(namespace: argparse.Namespace) -> int:

@@ -284,7 +284,7 @@ def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytes
     texts = []
     for frames, arguments in ((untold, ["--controller", "ipfc"]), (untold, []), (whole, [])):
         namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", *arguments])
-        assert namespace.work(namespace) == 0
+        assert watch.work(namespace) == 0
         views[-1].take(frames)
         screen = Console(file=io.StringIO(), width=100, force_terminal=False)
         screen.print(views[-1].picture())
@@ -293,9 +293,9 @@ def test_watch_names_the_notes_of_the_law(recorded: Recorded, monkeypatch: pytes
     assert ["softening factor" in text for text in texts] == [True, False, True]
     namespace = parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--controller", "no_such_law"])
     with pytest.raises(InputError, match="no_such_law"):
-        namespace.work(namespace)
+        watch.work(namespace)
     monkeypatch.undo()
     with pytest.raises(InputError, match="no_such_law"):
-        namespace.work(namespace)
+        watch.work(namespace)
     with pytest.raises(InputError, match="--set: used only after a SCENARIO"):
         watch.work(parser.parse_args(["watch", "-i", "railhil", "-c", "x", "--set", "plan.distance_m=1"]))
