@@ -140,7 +140,9 @@ def parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         else:
             module = import_module(_MODULES.get(name, f"railhil.cli.{name}"))
             module.add_parser(commands)
-            commands.choices[name].set_defaults(work=module.work)
+            # A command of several verbs has a work of each.
+            if hasattr(module, "work"):
+                commands.choices[name].set_defaults(work=module.work)
     return root
 
 

@@ -132,6 +132,7 @@ def _add(
     parser.add_argument("name", metavar="NAME", help=f"name of {what}")
     add_option(parser, f"--out {kind}", type=Path, usual=usual)
     add_json_argument(parser)
+    parser.set_defaults(work=work)
 
 
 def _new_law(namespace: argparse.Namespace) -> int:

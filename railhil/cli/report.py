@@ -19,14 +19,13 @@ from railhil.report.noise import Noise
 from railhil.report.recorded import check_one_scenario
 from railhil.scenarios.options import add_option, add_options
 
-#: Studies with a page of their own: the file by which the folder of one is known, and the function that writes it.
-_CAMPAIGN = "campaign.json"
+#: Folders with a page of their own: the file by which one is known, and the study that it is of.
+_CAMPAIGN, _SEQUENCE = "campaign.json", "sequence.json"
 _STUDIES = {
-    _CAMPAIGN: "railhil.campaign.study:CAMPAIGN.report_of",
-    "hunt.json": "railhil.hunt.study:HUNT.report_of",
-    "learn.json": "railhil.sequences.study:LEARN.report_of",
-    "sequence.json": "railhil.sequences.recorded:report_of",
-    "probability.json": "railhil.probability.study:PROBABILITY.report_of",
+    _CAMPAIGN: "railhil.campaign.study:CAMPAIGN",
+    "hunt.json": "railhil.hunt.study:HUNT",
+    "learn.json": "railhil.sequences.study:LEARN",
+    "probability.json": "railhil.probability.study:PROBABILITY",
 }
 
 
@@ -61,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
         from railhil.report.fault_matrix import report_of
 
         return _write(given, namespace, partial(report_of, given))
-    if found := next((name for name in _STUDIES for path in given if (path / name).is_file()), ""):
+    if found := next((name for name in (*_STUDIES, _SEQUENCE) for path in given if (path / name).is_file()), ""):
         return _study(given, namespace, found)
     folders: list[Path] = []
     notes: list[str] = []
@@ -137,8 +136,14 @@ def _study(given: Sequence[Path], namespace: argparse.Namespace, name: str) -> i
     if len(given) > 1 or namespace.scenario is not None:
         found = Words(f"a {kind} beside other folders or --scenario")
         raise InputError("command line", "folder", found, f"one {kind} alone")
+    write: Callable[[Path, Path], None]
     try:
-        write = resolve_name(_STUDIES[name])
+        if name == _SEQUENCE:
+            write = resolve_name("railhil.sequences.recorded:report_of")
+        else:
+            from railhil.study import pages
+
+            write = partial(pages.report_of, resolve_name(_STUDIES[name]))
     except ImportError as error:
         raise missing_library(f"railhil report of a {kind}", error, "campaign") from None
     return _write(given, namespace, partial(write, given[0]))

@@ -15,6 +15,7 @@ from railhil.scenarios.given import GivenController
 from railhil.study.engines import running
 from railhil.study.execute import Outcome, execute
 from railhil.study.manifest import checked_request
+from railhil.study.pages import page_line
 from railhil.study.plan import P, Study
 
 
@@ -51,5 +52,5 @@ def make_study(
     with running("processes", _say, None if jobs == -1 else jobs) as engine:
         made = execute(study, plan, None if out is None else str(out), Console(quiet=True), engine, _say)
         made = study.finish(plan, made, engine, _say)
-    study.report(plan, made)
+    page_line(study, plan, made)
     return plan, made

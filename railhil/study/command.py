@@ -240,6 +240,7 @@ class Command(Generic[P]):
         from railhil.batch import say_compiling
         from railhil.study.execute import execute
         from railhil.study.manifest import read_manifest
+        from railhil.study.pages import page_line
 
         check_key(namespace.sign)
         resumed = namespace.resume
@@ -270,7 +271,7 @@ class Command(Generic[P]):
             if namespace.json:
                 print_json({"folder": str(made.folder), "shard": str(namespace.shard)})
             return PASS
-        line = "" if namespace.no_report else study.report(plan, made)
+        line = "" if namespace.no_report else page_line(study, plan, made)
         sign_list(made.folder, namespace.sign)
         if namespace.json:
             print_json(made.summary)

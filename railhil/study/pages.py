@@ -7,8 +7,7 @@ from functools import partial
 from pathlib import Path
 from pkgutil import resolve_name
 
-from railhil.report.origin import recorded_sentence
-from railhil.report.templates import write_html
+from railhil.run.report import say_report
 from railhil.scenarios.given import RecordedController
 from railhil.study.execute import Outcome
 from railhil.study.finished import finished_rows, finished_summary, repeated_plan
@@ -22,8 +21,19 @@ def write_page(study: Study[P, C], plan: P, made: Outcome, out: Path) -> None:
     :raises InputError: the manifest is damaged.
     :raises OSError: it cannot be written.
     """
+    # Without the extra ``report`` a study has no page.
+    from railhil.report.origin import recorded_sentence
+    from railhil.report.templates import write_html
+
     recorded = recorded_sentence([asdict(read_manifest(made.folder, study))])
     write_html(resolve_name(study.page)(plan, made, recorded), out)
+
+
+def page_line(study: Study[P, C], plan: P, made: Outcome) -> str:
+    """Write the page at the end of a study; returns the line of :func:`~railhil.run.report.say_report`, empty if it
+    does not end with a page."""
+    ends_so = bool(study.page) and study.ends_with_page
+    return say_report(made.folder, partial(write_page, study, plan, made)) if ends_so else ""
 
 
 def report_of(study: Study[P, C], folder: Path, out: Path) -> None:

@@ -17,7 +17,6 @@ from railhil.common.held_code import held_sha256
 from railhil.common.plug_ins import entries
 from railhil.controller_node import laws as registered
 from railhil.judge.folder import code_sha256
-from railhil.run.report import say_report
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.scenario_documents import any_judged_sha256
@@ -130,23 +129,6 @@ class Study(Generic[P, C]):
     def manifest(self) -> str:
         """Name of the manifest."""
         return f"{self.name}.json"
-
-    def report(self, plan: P, made: Outcome) -> str:
-        """Write the page; returns the line of :func:`~railhil.run.report.say_report`, empty if it does not end with
-        one."""
-
-        def write(path: Path) -> None:
-            from railhil.study.pages import write_page
-
-            write_page(self, plan, made, path)
-
-        return say_report(made.folder, write) if self.page and self.ends_with_page else ""
-
-    def report_of(self, folder: Path, out: Path) -> None:
-        """:func:`railhil.study.pages.report_of`."""
-        from railhil.study.pages import report_of
-
-        report_of(self, folder, out)
 
 
 @dataclass(frozen=True, slots=True)

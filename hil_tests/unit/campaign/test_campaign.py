@@ -22,6 +22,7 @@ from railhil.common.errors import InputError
 from railhil.record.hash_list import write_hash_list
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.study.pages import report_of
 from railhil.study.plan import bench_sha256
 from railhil.systems.ato.judge.criteria import CRITERIA
 from railhil.systems.ato.scenario.canonical import judged_sha256
@@ -240,7 +241,7 @@ def test_a_changed_file_is_noticed_without_the_bench(campaign, finished, tmp_pat
         assert changed != content
         (copy / name).write_bytes(changed)
         with pytest.raises(InputError, match=rf"{name}: sha256: found '\w+', allowed {sha256(content).hexdigest()}"):
-            CAMPAIGN.report_of(copy, copy / "report.html")
+            report_of(CAMPAIGN, copy, copy / "report.html")
         again = campaign("--resume", copy)
         if name == "campaign.json":
             assert again.exit_code == 2
@@ -248,7 +249,7 @@ def test_a_changed_file_is_noticed_without_the_bench(campaign, finished, tmp_pat
         else:
             assert f"{copy / name} is not as listed in SHA256SUMS: it is written again" in again.err
             assert (copy / name).read_bytes() == content
-            CAMPAIGN.report_of(copy, copy / "report.html")
+            report_of(CAMPAIGN, copy, copy / "report.html")
             assert "report.html" in (copy / "SHA256SUMS").read_text()
 
 
@@ -260,15 +261,15 @@ def test_a_campaign_without_a_list_has_as_many_rows_as_it_says(finished, tmp_pat
     (copy / "SHA256SUMS").unlink()
     document = json.loads((copy / "campaign.json").read_text())
     with pytest.raises(InputError, match=r"SHA256SUMS: does not exist"):
-        CAMPAIGN.report_of(copy, copy / "report.html")
+        report_of(CAMPAIGN, copy, copy / "report.html")
     del document["hash_list"], document["recorded"]
     (copy / "campaign.json").write_text(json.dumps(document))
-    CAMPAIGN.report_of(copy, copy / "report.html")
+    report_of(CAMPAIGN, copy, copy / "report.html")
     assert f"Recorded with railhil {document['railhil']}." in (copy / "report.html").read_text(encoding="utf-8")
     document["request"]["runs"] = document["campaign"]["runs"] = 6_000_000
     (copy / "campaign.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match=r"results.parquet: rows: found 24, allowed 6000000"):
-        CAMPAIGN.report_of(copy, copy / "report.html")
+        report_of(CAMPAIGN, copy, copy / "report.html")
 
 
 @pytest.mark.slow
@@ -314,7 +315,7 @@ def test_help_in_the_list_of_commands():
 def test_the_report_has_distributions_and_links_runs_made_again(finished, tmp_path):
     pages = [tmp_path / "one.html", tmp_path / "two.html"]
     for page in pages:
-        CAMPAIGN.report_of(finished, page)
+        report_of(CAMPAIGN, finished, page)
     text = pages[0].read_text(encoding="utf-8")
     assert pages[1].read_text(encoding="utf-8") == text
     recorded = json.loads((finished / "campaign.json").read_text())["recorded"]
@@ -337,4 +338,4 @@ def test_the_report_has_distributions_and_links_runs_made_again(finished, tmp_pa
     assert f'<a href="worst/{name}/report.html">' in (again / "report.html").read_text(encoding="utf-8")
     (again / "summary.json").unlink()
     with pytest.raises(InputError, match=r"summary\.json: sha256: no such file"):
-        CAMPAIGN.report_of(again, again / "report.html")
+        report_of(CAMPAIGN, again, again / "report.html")
