@@ -198,6 +198,8 @@ def test_an_edited_file_of_a_run_that_a_row_leads_to_is_said(tmp_path: Path) -> 
 @pytest.mark.parametrize("width_px", [400, 1200, 2560])
 def test_the_page_fits_every_screen(tmp_path: Path, width_px: int) -> None:
     long = "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"
-    page(*(table(tmp_path / name, KEPT, LATE, ABSENT, scenario=long) for name in "ab"))
+    says = {"ATO-6": "whenever " + " and ".join(["age(TRN_SPEED) > 64 ms"] * 9) + ", within 64 ms notch_command <= 0"}
+    decided = replace(KEPT, requirements={"ATO-6": "kept"})
+    page(*(table(tmp_path / name, decided, LATE, ABSENT, scenario=long, sentences=says) for name in "ab"))
     wide = "({beyond: document.documentElement.scrollWidth - window.innerWidth})"
     assert asked(tmp_path / "a" / "report.html", wide, width_px)["beyond"] <= 0
