@@ -205,11 +205,12 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
     """The row of an entry for the run that was made for it."""
     failures = [text for text in seen.broken if text.startswith(RULE)]
     if entry.verdict and seen.verdict != entry.verdict:
-        failures.append(f"verdict {seen.verdict} ({seen.line}), expected {entry.verdict}")
+        why = f" ({seen.line})" if seen.line else ""
+        failures.append(f"verdict {seen.verdict}{why}, expected {entry.verdict}")
     if not entry.verdict and seen.verdict not in ("PASS", "FAIL"):
         failures.append(f"verdict {seen.verdict}: {seen.line}")
     if not entry.is_judged:
-        if entry.said not in seen.line:
+        if seen.verdict == entry.verdict and entry.said not in seen.line:
             failures.append(f"{seen.line}: nothing of {entry.said!r}")
         return Row(entry, seen.begun_s, seen.effective_s, verdict=seen.verdict, failures=failures)
     if seen.begun_s is None:
