@@ -117,6 +117,7 @@ def make(
     folder: Path,
     shard: str | None = None,
     before_part: Callable[[int], None] = lambda count: None,
+    study: Study[Plan, Chunk] = TOY,
 ) -> tuple[Outcome, list[str]]:
     """Run the study in this process; what came of it, and what it said.
 
@@ -135,7 +136,7 @@ def make(
     said: list[str] = []
     console = Console(file=io.StringIO())
     made = execute(
-        TOY, Plan(request), str(folder), console, engine, said.append, None if shard is None else Shard.parse(shard)
+        study, Plan(request), str(folder), console, engine, said.append, None if shard is None else Shard.parse(shard)
     )
     return made, said
 

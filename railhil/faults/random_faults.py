@@ -88,8 +88,9 @@ def words_drawn() -> tuple[Word, ...]:
     return tuple(word for word in WORDS if word.name != CLEAR and (word.level, word.name) not in LEFT_OUT)
 
 
-def _names_of(word: Word) -> list[str]:
-    """The places of a word of a level that has places of its own, without the nodes that a verdict needs."""
+def names_of(word: Word) -> list[str]:
+    """The places at which a word is drawn, of a level that has places of its own: without the nodes that a verdict
+    needs."""
     return [name for name in word.names or tuple(PLACES[word.level]) if name not in _OTHER_NODES]
 
 
@@ -113,7 +114,7 @@ def random_fault(
         begin_s = max(min(begin_s, sent[name].last_s - sent[name].apart_s), sent[name].first_s)
         low_s = max(low_s, sent[name].apart_s)
     elif level != "bus":
-        name = chance.choice(_names_of(word))
+        name = chance.choice(names_of(word))
     elif word.part == "line":
         part = chance.choice(("a", "b"))
     values = {
@@ -213,7 +214,7 @@ def word_subset(
         some = [word for word in words if word.level == level]
         kept = [word for word in some if chance.random() < 0.5] or [chance.choice(some)]
         for word in kept:
-            names = [] if level in ("telegram", "bus") else _names_of(word)
+            names = [] if level in ("telegram", "bus") else names_of(word)
             chosen = tuple(name for name in names if chance.random() < 0.5)
             found.append(replace(word, names=chosen) if chosen else word)
     names = sorted(chance.sample(sorted(ports), chance.randint(1, min(ports_max, len(ports))))) if ports else []

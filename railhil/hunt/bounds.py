@@ -15,7 +15,7 @@ from railhil.common.errors import InputError, did_you_mean
 from railhil.faults.language import fault_text, parse
 from railhil.faults.model import LEVELS, Fault, Place, Trigger, Word
 from railhil.faults.notation import place_text
-from railhil.faults.random_faults import Ports, words_drawn
+from railhil.faults.random_faults import Ports, names_of, words_drawn
 from railhil.faults.words import PLACES, WORDS, word_of
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import find
@@ -55,10 +55,10 @@ class Bounds:
             # Its places are the ports.
             yield word
             return
-        names = word.names or tuple(PLACES[word.level])
-        kept = tuple(name for name in names if self.has(Place(word.level, name), word.name))
+        names = names_of(word)
+        kept = [name for name in names if self.has(Place(word.level, name), word.name)]
         if kept:
-            yield word if kept == names else replace(word, names=kept)
+            yield word if kept == names else replace(word, names=tuple(kept))
 
     def ports(self, ports: Ports) -> Ports:
         """The ports on which faults of telegrams are drawn."""

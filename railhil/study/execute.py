@@ -115,6 +115,10 @@ class _Tasks(Sequence[Task]):
             return [*map(self._make, self._chunks[place])]
         return self._make(self._chunks[place])
 
+    def __iter__(self) -> Iterator[Task]:
+        # By its places, an IndexError of the maker would be the end of the sequence.
+        return map(self._make, self._chunks)
+
 
 @contextmanager
 def _kept(study: Study[P, C], folder: PartsFolder[P, C], say: Callable[[str], None], words: str = "") -> Iterator[None]:

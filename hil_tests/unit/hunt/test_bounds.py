@@ -66,6 +66,14 @@ def test_cases_keep_to_the_bounds_of_the_scenario(tmp_path: Path, strategy: str)
     assert all(delay_s <= 0.1 for delay_s in delays)
 
 
+@pytest.mark.parametrize("name", ["controller", "controller slow"])
+def test_without_a_word_of_the_controller_the_other_nodes_are_not_disturbed_instead(tmp_path: Path, name: str) -> None:
+    cases = drawn(with_hunt(tmp_path, f'left_out = ["{name}"]'), count=200)
+    nodes = [fault for case in cases for fault in map(parse, case) if fault.place.level == "node"]
+    assert {fault.place.name for fault in nodes} == (set() if name == "controller" else {"controller"})
+    assert "slow" not in {fault.what for fault in nodes}
+
+
 @pytest.mark.parametrize(
     ("what", "levels", "places"),
     [

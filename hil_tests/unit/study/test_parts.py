@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
 import pytest
 
-from hil_tests.support.toy_study import TOY, Plan, Request, contents, make
+from hil_tests.support.toy_study import TOY, Chunk, ChunkWork, Plan, Request, contents, make
+from railhil.study.execute import Stopped
 from railhil.study.table import NotThePart, file_bytes, read_part
 
 PLAN = Plan(Request(runs=60, chunk=20))
@@ -65,6 +67,14 @@ def test_a_part_of_other_runs_is_noticed(part: Path) -> None:
     part.write_bytes(file_bytes(ROWS.drop_columns("square"), PLAN.origin(CHUNK)))
     with pytest.raises(NotThePart, match="with other columns"):
         read_part(part, TOY, PLAN, CHUNK)
+
+
+def test_a_part_whose_work_cannot_be_made_is_not_the_end_of_the_study(tmp_path: Path) -> None:
+    def work(plan: Plan, chunk: Chunk) -> ChunkWork:
+        return ChunkWork([chunk.seeds][chunk.index], plan.request.code)
+
+    with pytest.raises(Stopped, match="IndexError: list index out of range; 1 of 3 runs are kept"):
+        make(Request(runs=3), tmp_path / "toy", study=replace(TOY, work=work))
 
 
 def test_only_what_is_missing_or_damaged_is_made(tmp_path: Path) -> None:
