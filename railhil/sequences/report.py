@@ -9,7 +9,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from railhil.common.digits import count_of, percent
+from railhil.common.digits import count_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.memory import memory_key
 from railhil.judge.judging import system_pictures
@@ -19,7 +19,7 @@ from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, MemoryPlace, Memory
 from railhil.sequences.one import through_nodes
 from railhil.sequences.pictures import figures
 from railhil.sequences.plan import Plan
-from railhil.sequences.show import converged
+from railhil.sequences.show import converged, run_rows
 from railhil.sequences.table import memories
 from railhil.study.execute import Outcome
 from railhil.study.table import row as row_of
@@ -50,20 +50,8 @@ def page(plan: Plan, made: Outcome, recorded: str) -> str:
 
 def _by_run(measure: Mapping[str, Any]) -> Table:
     """The table of a measure by the number of the run."""
-    keys = {"mean": "mean", "mean_error": "mean error", "rms": "rms", "median_error": "median error", "p95": "95 %"}
-    unit = measure["unit"]
-    heads = ["run", *keys.values(), *(f"within {limit} {unit}" for limit in measure["last"]["within"]), "with a value"]
-    rows = [
-        [
-            str(row.get("run", f"last {row.get('of')}")),
-            *("-" if row[key] is None else f"{row[key]:.3f}" for key in keys),
-            *(percent(share, 1) for share in row["within"].values()),
-            f"{row['with_a_value']} of {row['runs']}",
-        ]
-        for row in (*measure["by_run"], measure["last"])
-    ]
-    title = f"{measure['title'].capitalize()} by the number of the run ({unit})"
-    return Table(f"by-run-{measure['title'].replace(' ', '-')}", title, heads, rows)
+    title = f"{measure['title'].capitalize()} by the number of the run ({measure['unit']})"
+    return Table(f"by-run-{measure['title'].replace(' ', '-')}", title, *run_rows(measure))
 
 
 def _facts(plan: Plan, summary: Mapping[str, Any]) -> list[tuple[str, str]]:

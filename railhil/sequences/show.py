@@ -17,22 +17,29 @@ from railhil.sequences.plan import Plan
 _FIRST_RUNS = 5
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
+#: Figures of a measure over the sequences, with their headings.
+_FIGURES = {"mean": "mean", "mean_error": "mean error", "rms": "rms", "median_error": "median error", "p95": "95 %"}
 
 
-def _rows(measure: Mapping[str, Any]) -> Table:
-    inside = [f"within {limit}" for limit in measure["last"]["within"]]
-    title = f"{measure['title']}, {measure['unit']}, by the number of the run"
-    made = titled_table(title, ("run",), ("mean", "mean error", "rms", "95 %", *inside))
-    last = measure["last"]
-    by_run = measure["by_run"]
-    shown = [*by_run[:_FIRST_RUNS], *(by_run[-1:] if len(by_run) > _FIRST_RUNS else [])]
-    for name, one in [(str(one["run"]), one) for one in shown] + [(f"last {last['of']}", last)]:
-        shares = [percent(share, 1) for share in one["within"].values()]
-        figures = [_number(one[key]) for key in ("mean", "mean_error", "rms", "p95")]
-        made.add_row(name, *figures, *shares)
-    return made
+def run_rows(measure: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of a measure by the number of the run; the last row is of the last runs together."""
+    inside = [f"within {limit} {measure['unit']}" for limit in measure["last"]["within"]]
+    rows = [
+        [
+            str(row.get("run", f"last {row.get('of')}")),
+            *("-" if row[key] is None else f"{row[key]:.3f}" for key in _FIGURES),
+            *(percent(share, 1) for share in row["within"].values()),
+            f"{row['with_a_value']} of {row['runs']}",
+        ]
+        for row in (*measure["by_run"], measure["last"])
+    ]
+    return ["run", *_FIGURES.values(), *inside, "with a value"], rows
+
+
+def _table(measure: Mapping[str, Any]) -> Table:
+    (heads, rows), title = run_rows(measure), f"{measure['title']}, {measure['unit']}, by the number of the run"
+    first = rows[:_FIRST_RUNS] + rows[max(_FIRST_RUNS, len(rows) - 2) :]
+    return titled_table(title, heads[:1], heads[1:], first)
 
 
 def converged(measure: Mapping[str, Any], sequences: int) -> str:
@@ -58,7 +65,7 @@ def lines(plan: Plan, summary: Mapping[str, Any], folder: Path) -> Iterator[str 
         f"{summary['law']}, {summary['arithmetic']}, seeds {summary['seed']} to {summary['last_seed']}"
     )
     for measure in summary["measures"].values():
-        yield _rows(measure)
+        yield _table(measure)
         yield converged(measure, summary["sequences"])
         if missing := sum(one["runs"] - one["with_a_value"] for one in measure["by_run"]):
             without = count_of(missing, "run has", "runs have")
