@@ -32,3 +32,12 @@ def test_a_planted_defect_violates_its_sentence_and_the_bench_without_it_does_no
     assert by not in sound.violated
     plant_here(defect, monkeypatch)
     assert by in run_case(HOP, asked, faults, seed=0).violated
+
+
+@pytest.mark.faults
+@pytest.mark.slow
+def test_a_controller_that_was_restarted_may_hear_what_the_sentence_refuses() -> None:
+    """43 orders are lost: the life sign of the next one is old to a receiver that has heard the last one before."""
+    faults = ("EVENT loss @3s for 8.6s", "controller restart @5s for 30ms")
+    found = run_case(HOP, read_requirements("hst1"), faults, seed=0)
+    assert (found.is_valid, dict(found.violated)) == (True, {})
