@@ -26,7 +26,7 @@ from railhil.scenarios.system import names as system_names
 from railhil.scenarios.system import system_named
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import FIRST_SEED, check_unseen, training_seeds
-from railhil.study.plan import law_sha256, origin_of, sha256_of_json
+from railhil.study.plan import PlanOfSubject, law_sha256, origin_of
 
 #: Stands for every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
@@ -106,7 +106,7 @@ class Chunk:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(PlanOfSubject):
     """A campaign; to resume it, its identity must be the same."""
 
     request: Request
@@ -165,11 +165,6 @@ class Plan:
     def subject(self) -> dict[str, Any]:
         """Everything that determines the figures of every single run."""
         return origin_of(self.scenario) | self.how
-
-    @property
-    def results_origin(self) -> str:
-        """Hash of :attr:`subject`; recorded in the results and in every part."""
-        return sha256_of_json(self.subject)
 
     @property
     def identity(self) -> dict[str, Any]:

@@ -39,7 +39,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import System
 from railhil.study.faultless import can_inject_in, faultless_run
 from railhil.study.manifest import one_of
-from railhil.study.plan import origin_of, sha256_of_json
+from railhil.study.plan import PlanOfSubject, origin_of
 
 RUNS_MAX = 1_000_000
 #: Runs of a part: what a process does at a time, and what is lost when it is killed.
@@ -92,7 +92,7 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(PlanOfSubject):
     """A hunt; to resume it, its identity must be the same. ``base``: the run without faults. ``requirements``:
     those that are searched for, besides the rules of every run."""
 
@@ -165,11 +165,6 @@ class Plan:
             "bounds": self.bounds.as_json(),
             "requirements": [one.as_json() for one in self.requirements],
         }
-
-    @property
-    def results_origin(self) -> str:
-        """Hash of :attr:`subject`; recorded in the results and in every part."""
-        return sha256_of_json(self.subject)
 
     @property
     def identity(self) -> dict[str, Any]:

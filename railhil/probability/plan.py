@@ -30,7 +30,7 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import how_made
-from railhil.study.plan import origin_of, sha256_of_json
+from railhil.study.plan import PlanOfSubject, origin_of
 
 RUNS_MAX = 100_000_000
 #: Runs of a part of the brute force, and of one whose runs go through the nodes (chosen: about a minute).
@@ -99,7 +99,7 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(PlanOfSubject):
     """A study of a probability; to resume it, its identity must be the same. ``more``: repetitions (or parts of the
     brute force), None: as many as the pilot says."""
 
@@ -182,13 +182,9 @@ class Plan:
         rows = len(self.bench.sides) if self.design.levels else 1
         return [Chunk(index, rows) for index in range(self.repetitions)]
 
-    def origin(self, chunk: Chunk) -> str:
-        """The identification of a part. A longer study has the same first parts."""
-        return f"{self.results_origin} {chunk.name}"
-
     @property
     def subject(self) -> dict[str, Any]:
-        """Everything that determines a row."""
+        # With more runs it goes on; the bound of a judgement may change.
         law = self.bench.base.law
         asked = self.request
         return {
@@ -202,17 +198,6 @@ class Plan:
             "method": asked.method,
             "accuracy": asked.accuracy,
         }
-
-    @property
-    def results_origin(self) -> str:
-        """Hash of :attr:`subject`; recorded in the results and in every part."""
-        return sha256_of_json(self.subject)
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """The values that must be unchanged when the study is resumed."""
-        # With more runs it goes on; the bound of a judgement may change.
-        return self.subject
 
     def grown(self, repetitions: int) -> Plan:
         """The same with another number of repetitions; what the pilot has found is kept."""

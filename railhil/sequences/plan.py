@@ -22,7 +22,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.one import sequence_batch_of
 from railhil.study.manifest import one_of
 from railhil.study.perturbed_runs import check_unseen
-from railhil.study.plan import origin_of, sha256_of_json
+from railhil.study.plan import PlanOfSubject, origin_of
 
 #: The usual scenario: its law learns from run to run.
 SCENARIO = "yizhuang_stop"
@@ -87,7 +87,7 @@ def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> lis
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(PlanOfSubject):
     """Sequences to be run; to resume them, the identity must be the same."""
 
     request: Request
@@ -130,24 +130,14 @@ class Plan:
             for index, start in enumerate(starts)
         ]
 
-    def origin(self, chunk: Chunk) -> str:
-        """The identification of a part: its request and sequences."""
-        return f"{self.results_origin} {chunk.name}"
-
     @property
-    def identity(self) -> dict[str, Any]:
-        """The values that must be unchanged when it is resumed."""
+    def subject(self) -> dict[str, Any]:
         given = self.law.parameters
         return asdict(self.request) | {
             "perturbed": self.perturbed,
             "parameters": None if given is None else given.sha256,
             **origin_of(self.scenario, OWN_CODE, self.law),
         }
-
-    @property
-    def results_origin(self) -> str:
-        """Hash of :attr:`identity`; recorded in the results and in every part."""
-        return sha256_of_json(self.identity)
 
 
 def sequence_seeds(scenario: AnyScenario, first: int, sequences: int, runs: int) -> range:

@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -71,6 +72,29 @@ class AnyPlan(Protocol[C]):
 
     def origin(self, chunk: C) -> str:
         """Identity of the part of a chunk: the data that determine its rows."""
+
+
+class PlanOfSubject(ABC):
+    """A plan whose ``subject``, everything that determines a row, identifies results and parts by its hash."""
+
+    @property
+    @abstractmethod
+    def subject(self) -> dict[str, Any]:
+        """As JSON."""
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """The values that must be unchanged when the study is resumed."""
+        return self.subject
+
+    @property
+    def results_origin(self) -> str:
+        """Hash of :attr:`subject`; recorded in the results and in every part."""
+        return sha256_of_json(self.subject)
+
+    def origin(self, chunk: Any) -> str:
+        """The identification of a part. A longer study has the same first parts."""
+        return f"{self.results_origin} {chunk.name}"
 
 
 P = TypeVar("P", bound=AnyPlan[Any])
