@@ -53,7 +53,8 @@ class BusClock:
     ======================================== ========================================================================
 
     The polls matter when only the clock port fails: without them the node's time would stop, and so would the ageing of
-    the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
+    the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False. A node that is
+    polled during a run only may count from its first poll on (:meth:`polled`).
 
     A node that comes late, as after a restart, counts from 0 until TIME_SYNC tells the time of the run (``is_set``).
     This jump is not elapsed time: ages are differences of ``own_ns``, which leaves it out.
@@ -193,13 +194,21 @@ class BusClock:
         self.now_ns = tick * self.base_tick_ns
         self.own_ns = (tick - self._began_tick) * self.base_tick_ns
 
-    def polled(self, period_ticks: int) -> None:
+    def polled(self, period_ticks: int, begins: bool = False) -> None:
         """Take a poll that is sent at every multiple of ``period_ticks``.
 
         A repeated poll puts the clock ahead by one period until the clock frames have caught up.
+
+        :param begins: if nothing has begun the count by the second poll, tick 0 is that of the first one. Without it,
+            time that no clock frame has begun stands still.
         """
         if not self.running:
-            return
+            if not begins:
+                return
+            if self._polls == 0:
+                self._polls = 1
+                return
+            self.running = True
         if self._polls == 0:
             self._poll_tick = -(-self._frame_tick // period_ticks) * period_ticks
         tick = self._poll_tick + self._polls * period_ticks

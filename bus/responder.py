@@ -108,6 +108,7 @@ class Responder:
     :param contract: of the run's system.
     :param paced: the polls of its own ports are the second time base of its clock, and the slowest port with a life
         sign the third; False: the clock has another time base.
+    :param begins: these polls may also begin the time, see :meth:`BusClock.polled`; none may come before the run.
     """
 
     def __init__(
@@ -121,6 +122,7 @@ class Responder:
         contract: Contract,
         module: CanModule | None = None,
         paced: bool = True,
+        begins: bool = False,
     ) -> None:
         clock_port = contract.clock_port
         sinks = tuple(sinks)
@@ -147,6 +149,7 @@ class Responder:
             for name, make in answers.items()
         }
         self._pace = pace_of(map(contract.port, answers), schedule) if paced else _NO_PACE
+        self._begins = begins
 
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
         """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``; it is called after
@@ -218,7 +221,7 @@ class Responder:
             return []
         period_ticks, pace_word = self._pace
         if word == pace_word:
-            self.clock.polled(period_ticks)
+            self.clock.polled(period_ticks, self._begins)
             # The poll itself may have opened the tick if the clock frame is missing.
             if self._module is not None and self._module.has_task:
                 self._read_due(self._module)

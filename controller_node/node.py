@@ -29,6 +29,10 @@ class LawNode:
 
     #: Class of the object that computes the commands, a :class:`~railhil.controller_node.law_controller.LawController`.
     computes: ClassVar[type[Any]]
+    #: Whether the polls of its fastest port begin its time if nothing else does. A controller that reacts to the age of
+    #: what it hears must see after a restart that it hears nothing. Before a run only CTL_IDENT and device status are
+    #: polled.
+    polls_begin: ClassVar[bool] = False
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, law_type: type[Any], controller: Any) -> None:
         self.controller: Any = controller or type(self).computes(scenario, law)
@@ -67,6 +71,7 @@ class LawNode:
             fd=fd,
             module=module,
             contract=self._contract,
+            begins=self.polls_begin,
         )
         self._clock = responder.clock
         #: Takes one frame in bus order; returns the answer to a poll of the controller.

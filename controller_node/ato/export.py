@@ -17,7 +17,14 @@ from railhil.controller_node.ato import balises, guard, odometer, plausibility, 
 from railhil.controller_node.ato import export_runs as notch_runs
 from railhil.controller_node.ato.control_loop import NO_BALISE, POSITION_MAX_01MM, ControlLoop
 from railhil.controller_node.ato.given import M_PER_01MM
-from railhil.controller_node.ato.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES, end_of_authority_01mm
+from railhil.controller_node.ato.node import (
+    ANSWERS,
+    MAILBOXES,
+    SAFE_ANSWERS,
+    SAFE_MAILBOXES,
+    ControllerNode,
+    end_of_authority_01mm,
+)
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.control import (
     Comments,
@@ -143,6 +150,7 @@ class NotchControl(Control):
     scenario: Scenario
     arithmetics = ("iq", "float32")
     period_word = "k"
+    polls_begin = ControllerNode.polls_begin
     life_start = 0
     commands = ("out.notch",)
     folder = "railhil.controller_node.ato:c"

@@ -123,7 +123,7 @@ class Guard:
         self._disorder = Debt(DISORDER_MS, DISORDER_MAX_MS)
         self._overruns_max = scenario.watch.overruns_max
         self._late = 0
-        #: Whether the train moves while the time of the run is still unknown.
+        #: Whether it brakes because the law cannot run yet.
         self.waits = False
         self._findings = Findings()
 
@@ -148,8 +148,16 @@ class Guard:
         self._late = self._late + 1 if is_late else 0
         self._findings.note("overruns", CtlCause.OVERRUNS if self._late > self._overruns_max else CtlCause.NONE)
 
+    def may_move(self, now_ns: int) -> bool:
+        """Whether the train moves by its last speed, or this is older than SERVICE BRAKE allows; before the first speed
+        its age counts from the node's beginning."""
+        unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)
+        age_ns = max(self._age.ns(now_ns), unconfirmed_ns)
+        return bool(self.speed_01mmps) or age_ns // _NS_PER_MS > self._ladder.service_brake_ms
+
     def wait(self, waits: bool) -> None:
-        """The law cannot run yet, although the train moves: it brakes until the time of the run is known."""
+        """The law cannot run yet, although the train may move: it brakes until the time of the run and a speed are
+        known."""
         if waits is not self.waits:
             self.waits = waits
             self._findings.note("time", CtlCause.CLOCK if waits else CtlCause.NONE)
@@ -253,7 +261,8 @@ class Guard:
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's, at a poll at ``now_ns``."""
-        is_stale = self._latency.polled()
+        # Before the first speed there is no life sign to compare the polls with.
+        is_stale = self.speed_01mmps is not None and self._latency.polled()
         if is_stale or self._findings.by_check:
             self._findings.note("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
         # The overspeed is also checked in the tick of a good telegram: the speed limit may have arrived after it.

@@ -99,6 +99,7 @@ class ControllerNode(LawNode):
 
     #: The controller that computes the notch.
     computes: ClassVar[type[Any]] = Controller
+    polls_begin: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -247,7 +248,7 @@ class ControllerNode(LawNode):
         self._control()
         self._notch_life = (self._notch_life + 1) & 0xF
         output, guard = self._output, self.guard
-        if output is None and guard.speed_01mmps:
+        if output is None and guard.may_move(self._clock.own_ns):
             guard.wait(True)
         if output is None and not guard.waits:
             self._notch_cmd = NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)

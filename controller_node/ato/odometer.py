@@ -120,8 +120,8 @@ class Odometer:
             return
         self._reckon(at_ns)
         reading_01mm = _within(telegram.odometer_mm * 10, READING_MAX_01MM)
-        if not self._heard:
-            # The first telegram: there is nothing yet to compare it with.
+        if not self._heard or not self._begun:
+            # The first telegram, or none has told a speed yet: there is nothing to compare it with.
             self._heard = True
             self._place, self._fitted_ns = reading_01mm * _NS_PER_S, at_ns
         off = reading_01mm * _NS_PER_S - self._place

@@ -173,6 +173,8 @@ class Control(ABC):
     arithmetics: ClassVar[tuple[str, ...]] = ("iq",)
     #: Column of the word that is the number of the control period; empty: there is none.
     period_word: ClassVar[str] = ""
+    #: Whether polls begin the time if nothing else does, see :class:`railhil.controller_node.node.LawNode`.
+    polls_begin: ClassVar[bool] = False
     #: Life sign before that of the first telegram on each port that it sends.
     life_start: ClassVar[int] = 15
     programs: LawProgram

@@ -81,6 +81,7 @@ def _bus(control: Control, sent: list[Port]) -> list[Define]:
         Define("CLOCK_TICKS", wide(schedule.ticks(clock)), f"ticks from one {clock} to the next"),
         Define("PACE_TICKS", wide(pace_ticks), "ticks from one poll of RAILHIL_PACE_WORD to the next, 0: none"),
         Define("PACE_WORD", f"UINT32_C({pace_word:#x})"),
+        Define("PACE_BEGINS", str(int(control.polls_begin)), "1: if nothing else has begun the time, they do"),
         Define("SLOW_TICKS", wide(slow_ticks), "ticks from one life sign of RAILHIL_SLOW_PORT to the next"),
         Define("GIVEN_COUNT", str(len(control.given)), "inputs of the law"),
         Define("COMMAND_COUNT", str(len(control.told)), "its commands"),

@@ -336,8 +336,13 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
 # -- a controller that comes late ---------------------------------------------------------------------------------
 
 
-def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchCmd]:
-    """Answers of a controller that takes over at an instant of a run, its clock at 0; those of the C are equal."""
+def late_run(
+    scenario: Scenario, c: CNode, law: str, at_s: float, hears: Callable[[Frame, float], bool] = lambda *_: True
+) -> list[NotchCmd]:
+    """Answers of a controller that takes over at an instant of a run, its clock at 0; those of the C are equal.
+
+    :param hears: whether it gets a frame, so many seconds after that instant.
+    """
     spec = RunSpec(law=LawSpec(law))
     session = make_session(scenario, lambda line: None, spec)
     first, late = ControllerNode(scenario, spec.law), ControllerNode(scenario, spec.law)
@@ -348,6 +353,8 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
         ticks += frame.can_id == TrnSpeed.port().address
         if ticks * scenario.timing.base_tick_ns < at_s * 1e9:
             return first.handle(frame)
+        if not hears(frame, ticks * scenario.timing.base_tick_ns / 1e9 - at_s):
+            return []
         answer = late.handle(frame)
         assert without_telemetry(c.handle(frame)) == without_telemetry(answer), f"{frame} in tick {ticks}"
         if answer and answer[0].can_id == NotchCmd.port().address:
@@ -359,6 +366,46 @@ def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchC
     assert counters == c.counters
     assert c.counters["time_ahead"] == 1
     return told
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "deaf_s"),
+    [("ipfc", 0.1), ("ipfc_plus", 0.5), pytest.param("ipfc", 1.6, marks=pytest.mark.long)],
+)
+def test_a_controller_that_restarts_in_motion_and_hears_no_speed_brakes(exported, law: str, deaf_s: float) -> None:
+    """The ladder of the age, from SERVICE BRAKE on, by its own time; speeds end the service brake."""
+    scenario = short()
+    watch = scenario.watch
+    clock_id = TrnSpeed.port().address
+    told = late_run(
+        scenario, CNode(exported(scenario, law), law), law, 3.0,
+        lambda frame, since_s: frame.can_id != clock_id or since_s >= deaf_s,
+    )  # fmt: skip
+    silent = [telegram for place, telegram in enumerate(told) if 0.02 * place < deaf_s - 1e-9]
+    modes = [telegram.mode for telegram in silent]
+    assert modes == [
+        CtlMode.EMERGENCY
+        if age_ms > watch.emergency_ms
+        else CtlMode.SERVICE_BRAKE
+        if age_ms > watch.service_brake_ms
+        else CtlMode.INITIALISING
+        for age_ms in range(0, 20 * len(silent), 20)
+    ]
+    causes = [CtlCause.NONE if mode == CtlMode.INITIALISING else CtlCause.SPEED_AGE for mode in modes]
+    assert [telegram.cause for telegram in silent] == causes
+    notches = [telegram.notch_256th for telegram in silent]
+    assert notches == sorted(notches, reverse=True)
+    assert [notch < 0 for notch in notches] == [mode != CtlMode.INITIALISING for mode in modes]
+    # It knows the time only after 1.28 to 2.56 s: until then it brakes because of that.
+    later = [telegram.mode for telegram in told[len(silent) :]]
+    if deaf_s * 1000 > watch.emergency_ms:
+        assert set(later) == {CtlMode.EMERGENCY}
+    else:
+        assert later[0] == CtlMode.SERVICE_BRAKE
+        assert later[-1] == CtlMode.RUNNING
+        assert CtlMode.INITIALISING not in later
+        assert CtlMode.EMERGENCY not in later
 
 
 @pytest.mark.long_after(1)

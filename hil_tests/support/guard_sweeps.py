@@ -239,6 +239,17 @@ def sweep_guard_findings(module: ModuleType) -> None:
     ride(subject, range(120, 136))
     assert subject.level is normal
 
+    # Polls before the first speed say nothing about its latency, whatever its life sign is.
+    for first in range(16):
+        subject = module.Guard(SCENARIO)
+        for tick in range(0, 100, 2):
+            subject.notch(0, 10 * tick * MS)
+        for tick in range(100, 130):
+            subject.speed(TrnSpeed(100_000 + tick % 2, life=(first + tick) % 16), 10 * tick * MS)
+            if tick % 2 == 0:
+                subject.notch(0, 10 * tick * MS)
+        assert subject.level is normal
+
     # Full traction: 0.46 m/s2 at least, so that 0.1056 m/s are due after three samples.
     for start in (1000, 1003):
         subject = module.Guard(SCENARIO)
@@ -283,6 +294,27 @@ def sweep_guard_wait(module: ModuleType) -> None:
         subject.speed(TrnSpeed(100_000 + tick % 2, life=tick % 16), 10 * tick * MS)
         assert subject.level == (WatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else WatchLevel.NORMAL)
         assert tick != 10 or subject.cause is CtlCause.CLOCK
+
+
+def sweep_guard_may_move(module: ModuleType) -> None:
+    """By the last speed, or above the age of the service brake in whole milliseconds, from the beginning if there is no
+    speed."""
+    subject = module.Guard(SCENARIO)
+    for now_ns, may in ((0, False), (257 * MS - 1, False), (257 * MS, True), (3_600_000 * MS, True)):
+        assert subject.may_move(now_ns) is may
+    # A refused speed is none.
+    subject.speed(TrnSpeed(100_000, check=0), 257 * MS)
+    assert subject.may_move(257 * MS)
+    for life, speed in enumerate((0, 1, 0), 1):
+        subject.speed(TrnSpeed(speed, life=life), 260 * MS)
+        for now_ns, is_old in ((260 * MS, False), (517 * MS - 1, False), (517 * MS, True)):
+            assert subject.may_move(now_ns) is (speed > 0 or is_old)
+    # A speed that no safe telegram confirms is as old as its last confirmation.
+    subject = module.Guard(replace(SCENARIO, safety=replace(SCENARIO.safety, sdt=True)))
+    subject.safe = SimpleNamespace(age_ns=lambda now_ns: now_ns - 10 * MS)
+    subject.speed(TrnSpeed(0), 200 * MS)
+    assert not subject.may_move(267 * MS - 1)
+    assert subject.may_move(267 * MS)
 
 
 def sweep_guard_overrun(module: ModuleType) -> None:
@@ -391,6 +423,7 @@ def command_ramp(elapsed_ns: int) -> int:
 #: The quick ones first: a mutant meets them up to the first that notices it.
 GUARD_SWEEPS = (
     sweep_guard_wait,
+    sweep_guard_may_move,
     sweep_guard_overrun,
     sweep_guard_samples,
     sweep_guard_position,

@@ -44,6 +44,18 @@ static int64_t unconfirmed_ns(const railhil_guard_t *guard, int64_t now_ns)
 #endif
 }
 
+/* Age of the last accepted speed, in ms; before the first it counts from the beginning. */
+static int64_t speed_age_ms(const railhil_guard_t *guard, int64_t now_ns)
+{
+    const int64_t heard_ns = railhil_greater(now_ns - guard->watch.accepted_ns, 0);
+    return railhil_greater(heard_ns, unconfirmed_ns(guard, now_ns)) / NS_PER_MS;
+}
+
+int railhil_may_move(const railhil_guard_t *guard, int64_t now_ns)
+{
+    return guard->watch.speed_01mmps != 0 || speed_age_ms(guard, now_ns) > RAILHIL_SERVICE_BRAKE_MS;
+}
+
 static int may_leave(int level, int good_run, int standstill)
 {
     switch (level) {
@@ -125,9 +137,7 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
 static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t finding)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t heard_ns = railhil_greater(now_ns - watch->accepted_ns, 0);
-    const int64_t confirmed_ns = unconfirmed_ns(guard, now_ns);
-    const int64_t age_ms = railhil_greater(heard_ns, confirmed_ns) / NS_PER_MS;
+    const int64_t age_ms = speed_age_ms(guard, now_ns);
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     const int bad = seen == BAD_TELEGRAM || seen == IMPLAUSIBLE_TELEGRAM;
@@ -180,8 +190,8 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
         watch->level = demanded;
     }
     if (watch->level != before) {
-        const int unconfirmed = cause == RAILHIL_CTL_CAUSE_SPEED_AGE && confirmed_ns > heard_ns;
-        watch->cause = unconfirmed ? RAILHIL_CTL_CAUSE_SAFETY_CODE : cause;
+        const int unconfirmed = unconfirmed_ns(guard, now_ns) > railhil_greater(now_ns - watch->accepted_ns, 0);
+        watch->cause = cause == RAILHIL_CTL_CAUSE_SPEED_AGE && unconfirmed ? RAILHIL_CTL_CAUSE_SAFETY_CODE : cause;
     }
     if (watch->level == RAILHIL_WATCH_LEVEL_TRACTION_CUT && before != RAILHIL_WATCH_LEVEL_TRACTION_CUT) {
         watch->kept_code = watch->code < 0 ? watch->code : 0;
@@ -323,7 +333,8 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
     const int64_t last = watch->code;
     int returning;
     int64_t code;
-    watch->stale = railhil_latency_polled(&guard->latency);
+    /* Before the first speed there is no life sign to compare the polls with. */
+    watch->stale = watch->speed_known && railhil_latency_polled(&guard->latency);
     railhil_look(guard, now_ns);
     returning = watch->returning || watch->level >= RAILHIL_WATCH_LEVEL_TRACTION_CUT;
     switch (watch->level) {

@@ -53,7 +53,7 @@ typedef struct {
     uint32_t overruns; /* how often control periods were skipped */
     int stale; /* the telegrams are delayed */
     int beyond; /* the train is beyond its end of authority by the balises: the law's position is wrong */
-    int waits; /* the train moves, and the time of the run is not known yet: the law cannot run */
+    int waits; /* the train may move, and speed or time of the run are not known yet: the law cannot run */
 } railhil_watch_t;
 
 typedef struct {
@@ -72,6 +72,9 @@ typedef struct {
 /* Take the process data of TRN_SPEED and TRK_INFO telegrams. counts: counters of refusals, by outcome. */
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);
 void railhil_track(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process);
+
+/* 1 if the train moves by its last speed, or this is too old. */
+int railhil_may_move(const railhil_guard_t *guard, int64_t now_ns);
 
 /* Check the age of the last speed. */
 void railhil_look(railhil_guard_t *guard, int64_t now_ns);

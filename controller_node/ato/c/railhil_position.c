@@ -93,8 +93,8 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     }
     reckon(odometer, now_ns);
     reading_01mm = railhil_within(RAILHIL_ODOMETER_01MM * telegram.odometer_mm, RAILHIL_READING_MAX_01MM);
-    if (!odometer->heard) {
-        /* The first telegram: there is no earlier position to compare it with. */
+    if (!odometer->heard || !odometer->begun) {
+        /* The first telegram, or no speed was told yet: there is nothing to compare it with. */
         odometer->heard = 1;
         odometer->place = reading_01mm * NS_PER_S;
         odometer->fitted_ns = now_ns;

@@ -53,14 +53,14 @@ int railhil_guard_inputs(railhil_guard_t *guard, const railhil_clock_t *clock, i
     return 1;
 }
 
-/* The notch of the watch. A train that moves before the law can run is braked. */
+/* The notch of the watch. A train that may move before the law can run is braked. */
 int railhil_guard_commands(railhil_guard_t *guard, const railhil_clock_t *clock, uint32_t steps, int32_t *commands,
                            uint32_t *counts)
 {
     railhil_watch_t *watch = &guard->watch;
     (void)counts;
     if (steps == 0) {
-        watch->waits = watch->waits || (watch->speed_known && watch->speed_01mmps != 0);
+        watch->waits = watch->waits || railhil_may_move(guard, railhil_own_ns(clock));
         commands[0] = 0;
     }
     if (steps != watch->steps) {

@@ -74,7 +74,14 @@ void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned
 void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks)
 {
     if (!clock->running) {
-        return;
+        if (!RAILHIL_PACE_BEGINS) {
+            return;
+        }
+        if (clock->polls == 0) {
+            clock->polls = 1;
+            return;
+        }
+        clock->running = 1;
     }
     if (clock->polls == 0) {
         clock->poll_tick = (clock->frame_tick + period_ticks - 1) / period_ticks * period_ticks;

@@ -68,7 +68,8 @@ int64_t railhil_now_ns(const railhil_clock_t *clock);
  * is no time that has passed. */
 int64_t railhil_own_ns(const railhil_clock_t *clock);
 
-/* Take a frame of the clock port, before it is handled as a telegram; a poll that comes every period_ticks; a
+/* Take a frame of the clock port, before it is handled as a telegram; a poll that comes every period_ticks (with
+ * RAILHIL_PACE_BEGINS tick 0 is that of the first one, if nothing else has begun the time by the second one); a
  * TIME_SYNC: returns 1 if it is taken. A repeated or forged TIME_SYNC must not stop the ageing of the last speed: it is
  * refused, and counted in counts, when its check variable is wrong, its life sign is not new, its time lies in the
  * past, or further ahead than life signs can bridge and the next TIME_SYNC has not confirmed it. */

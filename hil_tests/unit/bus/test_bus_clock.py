@@ -92,6 +92,47 @@ def test_polls_before_the_first_frame_are_no_time() -> None:
     assert (clock.running, clock.tick, clock.own_ns, clock.is_set) == (False, 0, 0, False)
 
 
+@pytest.mark.parametrize("lost", [3, 5, 13, 255])
+def test_the_second_poll_begins_the_time_of_a_node_that_is_polled_in_a_run_only(lost: int) -> None:
+    """Counted from the first one; where the ticks before the first frame are odd in number, it is that of the run."""
+    clock = BusClock(TICK_NS, 1)
+    for tick in range(0, lost, POLL_TICKS):
+        clock.polled(POLL_TICKS, begins=True)
+        assert (clock.running, clock.tick, clock.own_ns, clock.is_set) == (tick > 0, tick, tick * TICK_NS, False)
+        assert not clock.is_regular
+    for tick in range(lost, lost + 40):
+        assert clock.feed(TELEGRAMS[tick % 16])
+        assert clock.tick == tick
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS, begins=True)
+            assert clock.tick == tick
+
+
+def test_a_clock_frame_after_the_first_poll_begins_the_time() -> None:
+    """It is of the tick of the poll or of the next one."""
+    for polls_after in (0, 1):
+        polled, other = BusClock(TICK_NS, 1), BusClock(TICK_NS, 1)
+        polled.polled(POLL_TICKS, begins=True)
+        for clock in (polled, other):
+            assert clock.feed(TELEGRAMS[9])
+            for _ in range(polls_after):
+                clock.polled(POLL_TICKS, begins=True)
+            assert (clock.tick, clock.polled_tick) == (0, 0 if polls_after else -1)
+        assert slots_of(polled) == slots_of(other)
+
+
+def test_a_node_that_hears_polls_alone_takes_the_time_that_two_time_sync_tell() -> None:
+    clock = BusClock(TICK_NS, 1)
+    for tick in range(1500, 1500 + 300):
+        if tick % 128 == 0:
+            assert clock.synchronise(to_time_sync(tick, TICK_NS, life=tick // 128 % 16)) == (tick >= 1664)
+            assert clock.is_set == (tick >= 1664)
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS, begins=True)
+    # The instant of the run; and its own time, in which the poll of the tick of TIME_SYNC had not come yet.
+    assert (clock.tick, clock.own_ns) == (1798, (298 - POLL_TICKS) * TICK_NS)
+
+
 @pytest.mark.parametrize("back", range(1, 8))
 def test_repeated_and_old_frames_open_no_tick(back: int) -> None:
     clock = started(40)

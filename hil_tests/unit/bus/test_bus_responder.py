@@ -69,6 +69,18 @@ def test_own_polls_are_answered_with_a_fresh_telegram(fd: bool) -> None:
     assert node.made == ["NOTCH_CMD", "NOTCH_CMD", "CTL_STAT"]
 
 
+@pytest.mark.parametrize("begins", [False, True])
+def test_the_polls_of_its_fastest_port_begin_the_time_of_a_node_that_asks_for_it(begins: bool) -> None:
+    answers = {NotchCmd.PORT: NotchCmd, CtlStat.PORT: CtlStat}
+    schedule = Schedule.from_contract(TICK_NS, {}, wire_contract())
+    node = Responder(DEVICE, schedule, [TrnSpeed.port()], answers, contract=wire_contract(), begins=begins)
+    node.handle(poll(CtlStat))
+    assert not node.clock.running
+    for _ in range(3):
+        node.handle(poll(NotchCmd))
+    assert (node.clock.running, node.clock.tick) == (begins, 4 if begins else 0)
+
+
 def test_only_own_polls_are_answered() -> None:
     """Every F_code with every address of the port table and its neighbours."""
     own = {(port.f_code, port.address) for port in (NotchCmd.port(), CtlStat.port())}

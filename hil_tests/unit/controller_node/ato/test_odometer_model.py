@@ -72,7 +72,7 @@ class Plain:
             return
         self.reckon(now)
         reading = min(max(10 * reading_mm, -4_000_000_000), 4_000_000_000)
-        if not self.heard:
+        if not self.heard or not self.begun:
             self.heard, self.place, self.fitted = True, reading * S, now
         off = reading * S - self.place
         if abs(off) > self.tolerance:
@@ -200,13 +200,21 @@ def test_the_edge_of_the_tolerance_and_of_the_period() -> None:
     assert odometer.at(200 * MS) == 1000
 
 
-def test_a_position_without_any_speed() -> None:
+def test_before_the_first_speed_the_newest_position_counts() -> None:
+    """As after a restart in motion without a speed: nothing tells how far the train has gone since the last one."""
     odometer = Odometer(SCENARIO, needed=True)
     odometer.position(TrnPos(0, life=1, check=0), 0)
-    odometer.position(TrnPos(0, life=2), 0)
-    odometer.position(TrnPos(10**6, life=3), 0)
-    assert odometer.lost(S) is CtlCause.NONE
-    assert odometer.lost(S + 1) is CtlCause.POSITION_IMPLAUSIBLE
+    for number in range(2, 14):
+        odometer.position(TrnPos(300 * number, life=number), 20 * MS * number)
+        assert odometer.at(20 * MS * number) == 3000 * number
+    odometer.speed(150_000, 280 * MS)
+    odometer.position(TrnPos(300 * 14, life=14), 280 * MS)
+    assert odometer.counters == {"position_check": 1}
+    assert odometer.at(280 * MS) == 3000 * 14
+    assert odometer.lost(10 * S) is CtlCause.POSITION_LOST
+    # From then on it is compared.
+    odometer.position(TrnPos(10**6, life=15), 300 * MS)
+    assert odometer.counters["position_jump"] == 1
 
 
 def test_the_units_of_the_sensors() -> None:

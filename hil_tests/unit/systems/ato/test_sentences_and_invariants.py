@@ -112,6 +112,8 @@ def calm(hop: RunSpec) -> tuple[float, Mapping[str, Sent]]:
         ("ATO-12b", ("controller stop @5s for 1.19s", "controller restart @7.04s for 150ms")),
         # The new controller hears the first speed 10 ms after its first answer.
         ("ATO-6", ("bus down @5s for 1.58s", "controller restart @5.8s for 30ms")),
+        # The new controller counts from its first poll how long it hears no speed.
+        ("ATO-6", ("TRN_SPEED loss @5s for 3s", "controller restart @5.9s for 30ms")),
     ],
 )
 def test_a_controller_that_was_restarted_knows_nothing_of_the_time_before(
