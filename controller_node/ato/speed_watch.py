@@ -8,15 +8,18 @@ HOLD           age > hold, or a bad telegram                     the last one, o
                                                                  traction if the law asks
 TRACTION_CUT   age > traction cut, 3 bad in the last 10 with     at most 0, braking kept       5 good in a row
                this one, or a finding
-SERVICE_BRAKE  age > service brake, or a finding                 ramp to the full service      standstill, or 10 good
-                                                                 brake, jerk limited           in a row
+SERVICE_BRAKE  age > service brake, or a finding                 ramp to the full service      standstill (see below),
+                                                                 brake, jerk limited           or 10 good in a row
 EMERGENCY      age > emergency while moving, overspeed, or a     full brake, emergency flag    never in a run
                finding
 ============== ================================================= ============================= =====================
 
 A level is entered at once and only upwards; leaving a level leads to NORMAL or to the level that the current state
-demands. A bad telegram, an age above hold or a finding ends "in a row". After a level above HOLD the notch returns on
-the ramp of the service brake, so that releasing the brake never jumps into traction.
+demands. A standstill is told by the telegrams themselves, so it ends no SERVICE_BRAKE that was entered because there
+are too many bad ones or two senders (:data:`DOUBTED`), and with 3 bad in the last 10 it leads to TRACTION_CUT.
+
+A bad telegram, an age above hold or a finding ends "in a row". After a level above HOLD the notch returns on the ramp
+of the service brake, so that releasing the brake never jumps into traction.
 
 A finding is the demand of another check while its condition lasts; levels and causes are in :data:`LEVELS`.
 
@@ -97,6 +100,9 @@ LEVELS = {
     )
     for cause in causes
 }
+
+#: Causes for which the telegrams that tell of a standstill are doubted.
+DOUBTED: Final = frozenset((CtlCause.CHANNEL_MONITOR, CtlCause.TWO_SOURCES))
 
 
 def stronger(*findings: Finding | None) -> Finding | None:
@@ -194,12 +200,17 @@ def observe(
         good_run = 0
     elif telegram is _GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
-    level = _NORMAL if _may_leave(state.level, good_run, standstill) else state.level
+    stands = standstill and state.cause not in DOUBTED
+    level = _NORMAL if _may_leave(state.level, good_run, stands) else state.level
     if overspeed:
         demanded, cause = _EMERGENCY, CtlCause.OVERSPEED
     else:
+        # The count of bad ones matters at a bad telegram, and where a standstill ends SERVICE_BRAKE: an old burst must
+        # not cut traction again after a good run.
+        counts = bad or (state.level is _SERVICE_BRAKE and good_run < GOOD_AFTER_TRACTION_CUT)
+        cuts = counts and recent.bit_count() >= BAD_FOR_TRACTION_CUT
         # The speed telegrams are named if two demands are equal.
-        demanded, cause = _by_telegrams(ladder, recent, age_ms, telegram, standstill)
+        demanded, cause = _by_telegrams(ladder, cuts, age_ms, telegram, standstill)
         if finding is not None and finding.level > demanded:
             demanded, cause = finding
     level = max(level, demanded)
@@ -223,10 +234,12 @@ def _may_leave(level: WatchLevel, good_run: int, standstill: bool) -> bool:
 
 
 def _by_telegrams(
-    ladder: Ladder, recent: int, age_ms: int, telegram: Reception, standstill: bool
+    ladder: Ladder, cuts: bool, age_ms: int, telegram: Reception, standstill: bool
 ) -> tuple[WatchLevel, CtlCause]:
-    """Level demanded by the speed telegrams alone, and its cause."""
-    bad = telegram >= _BAD
+    """Level demanded by the speed telegrams alone, and its cause.
+
+    :param cuts: too many of the last ones were bad.
+    """
     if age_ms > ladder.service_brake_ms:
         emergency = age_ms > ladder.emergency_ms and not standstill
         level = _EMERGENCY if emergency else _SERVICE_BRAKE
@@ -234,12 +247,11 @@ def _by_telegrams(
     if age_ms > ladder.traction_cut_ms:
         return _TRACTION_CUT, CtlCause.SPEED_AGE
     refused = CtlCause.SPEED_IMPLAUSIBLE if telegram is Reception.IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
-    # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
-    if bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT:
+    if cuts:
         return _TRACTION_CUT, refused
     if age_ms > ladder.hold_ms:
         return _HOLD, CtlCause.SPEED_AGE
-    if bad:
+    if telegram >= _BAD:
         return _HOLD, refused
     return _NORMAL, CtlCause.NONE
 

@@ -141,10 +141,15 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     const int bad = seen == BAD_TELEGRAM || seen == IMPLAUSIBLE_TELEGRAM;
-    const int refused = seen == BAD_TELEGRAM ? RAILHIL_CTL_CAUSE_BAD_TELEGRAMS : RAILHIL_CTL_CAUSE_SPEED_IMPLAUSIBLE;
+    const int refused =
+        seen == IMPLAUSIBLE_TELEGRAM ? RAILHIL_CTL_CAUSE_SPEED_IMPLAUSIBLE : RAILHIL_CTL_CAUSE_BAD_TELEGRAMS;
+    /* Where there are too many bad telegrams or two senders, the telegrams that tell of a standstill are doubted. */
+    const int stands = standstill && watch->cause != RAILHIL_CTL_CAUSE_CHANNEL_MONITOR &&
+                       watch->cause != RAILHIL_CTL_CAUSE_TWO_SOURCES;
     int demanded = RAILHIL_WATCH_LEVEL_NORMAL;
     int cause = RAILHIL_CTL_CAUSE_NONE;
     int bad_count = 0;
+    int counts;
     unsigned recent;
     if (seen != NO_TELEGRAM) {
         watch->recent = ((watch->recent << 1) | (bad ? 1u : 0u)) & RECENT_MASK;
@@ -158,13 +163,16 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
     } else if (seen == GOOD_TELEGRAM && watch->good_run < RAILHIL_GOOD_AFTER_SERVICE_BRAKE) {
         watch->good_run++;
     }
+    /* A standstill ends the service brake, not the cut for bad telegrams. */
+    counts = bad || (before == RAILHIL_WATCH_LEVEL_SERVICE_BRAKE &&
+                     watch->good_run < RAILHIL_GOOD_AFTER_TRACTION_CUT);
     if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
         demanded = brake_level(age_ms > RAILHIL_EMERGENCY_MS && !standstill);
         cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
     } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
         demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
         cause = RAILHIL_CTL_CAUSE_SPEED_AGE;
-    } else if (bad && bad_count >= RAILHIL_BAD_FOR_TRACTION_CUT) {
+    } else if (counts && bad_count >= RAILHIL_BAD_FOR_TRACTION_CUT) {
         demanded = RAILHIL_WATCH_LEVEL_TRACTION_CUT;
         cause = refused;
     } else if (age_ms > RAILHIL_HOLD_MS) {
@@ -183,7 +191,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
         demanded = RAILHIL_WATCH_LEVEL_EMERGENCY;
         cause = RAILHIL_CTL_CAUSE_OVERSPEED;
     }
-    if (may_leave(before, watch->good_run, standstill)) {
+    if (may_leave(before, watch->good_run, stands)) {
         watch->level = RAILHIL_WATCH_LEVEL_NORMAL;
     }
     if (demanded > watch->level) {

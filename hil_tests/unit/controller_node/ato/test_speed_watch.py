@@ -53,6 +53,8 @@ class Reference:
         self.level = 0
         self.telegrams: list[bool] = []
         self.since_trouble = 0
+        #: Whether the level was entered because the telegrams themselves are doubted.
+        self.doubted = False
 
     def look(self, seen: Seen) -> int:
         if seen.telegram is not NONE:
@@ -64,19 +66,23 @@ class Reference:
             0: True,
             1: self.since_trouble >= 1,
             2: self.since_trouble >= 5,
-            3: seen.standstill or self.since_trouble >= 10,
+            3: (seen.standstill and not self.doubted) or self.since_trouble >= 10,
             4: False,
         }[self.level]
+        counts = bad or (self.level == 3 and self.since_trouble < 5)
         rules = {
             1: seen.age_ms > 20 or bad,
-            2: seen.age_ms > 64 or (bad and self.telegrams[-10:].count(False) >= 3),
+            2: seen.age_ms > 64 or (counts and self.telegrams[-10:].count(False) >= 3),
             3: seen.age_ms > 256,
             4: seen.overspeed or (seen.age_ms > 1000 and not seen.standstill),
         }
         if seen.finding:
             rules[seen.finding.level] = True
         demanded = max([level for level, holds in rules.items() if holds], default=0)
-        self.level = max(demanded, 0 if left else self.level)
+        before, self.level = self.level, max(demanded, 0 if left else self.level)
+        if self.level != before:
+            by_finding = self.level == 3 and seen.age_ms <= 256 and seen.finding
+            self.doubted = bool(by_finding) and seen.finding.cause.name in ("CHANNEL_MONITOR", "TWO_SOURCES")  # type: ignore[union-attr]
         return self.level
 
 
@@ -260,6 +266,33 @@ def test_service_brake_ends_with_ten_good(run: int) -> None:
 def test_service_brake_ends_at_standstill() -> None:
     assert after(SpeedWatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is WatchLevel.NORMAL
     assert after(SpeedWatchState(), Seen(257), Seen(300, standstill=True)).level is WatchLevel.SERVICE_BRAKE
+
+
+@pytest.mark.parametrize("cause", LEVELS, ids=lambda cause: cause.name)
+def test_a_standstill_that_doubted_telegrams_tell_ends_no_service_brake(cause: CtlCause) -> None:
+    if LEVELS[cause].level is not WatchLevel.SERVICE_BRAKE:
+        return
+    doubted = cause in (CtlCause.CHANNEL_MONITOR, CtlCause.TWO_SOURCES)
+    braked = after(SpeedWatchState(), *goods(20, standstill=True), Seen(0, finding=LEVELS[cause]))
+    assert braked[0] is WatchLevel.SERVICE_BRAKE
+    for look in (Seen(10, standstill=True), *goods(1, standstill=True), *goods(9, standstill=True)):
+        assert after(braked, look)[0] is (WatchLevel.SERVICE_BRAKE if doubted else WatchLevel.NORMAL)
+    assert after(braked, *goods(9, standstill=True))[0] is (WatchLevel.SERVICE_BRAKE if doubted else WatchLevel.NORMAL)
+    assert after(braked, *goods(10, standstill=True))[0] is WatchLevel.NORMAL
+
+
+@pytest.mark.parametrize("bad", [2, 3])
+def test_a_standstill_ends_the_service_brake_and_not_the_cut_for_bad_telegrams(bad: int) -> None:
+    finding = LEVELS[CtlCause.POSITION_LOST]
+    braked = after(SpeedWatchState(code=-300), *[Seen(10, BAD, standstill=True, finding=finding)] * bad)
+    for count in range(7):
+        left = after(braked, *[Seen(10, standstill=True)] * (count == 0), *goods(count, standstill=True))
+        cut = bad == 3 and count < 5
+        assert (left.level, left.cause) == (
+            (WatchLevel.TRACTION_CUT, CtlCause.BAD_TELEGRAMS) if cut else (WatchLevel.NORMAL, CtlCause.NONE)
+        )
+        if cut:
+            assert run_commands(left, 900, 2)[1] == [-300, -300]
 
 
 @pytest.mark.parametrize("cause", [Seen(1001), Seen(0, GOOD, overspeed=True)])
