@@ -233,6 +233,7 @@ def test_an_old_burst_does_not_cut_again_after_the_good_run() -> None:
     state = after(SpeedWatchState(), *[Seen(10, BAD)] * 3, *goods(5))
     assert state.level is WatchLevel.NORMAL
     assert after(state, *goods(1)).level is WatchLevel.NORMAL
+    assert after(state, Seen(21)).level is WatchLevel.HOLD
 
 
 @pytest.mark.parametrize("finding", LEVELS.values(), ids=lambda finding: finding.cause.name)
@@ -293,6 +294,10 @@ def test_a_standstill_ends_the_service_brake_and_not_the_cut_for_bad_telegrams(b
         )
         if cut:
             assert run_commands(left, 900, 2)[1] == [-300, -300]
+    # Good ones of the ride count, too.
+    for count in range(3, 6):
+        left = after(braked, *goods(count - 1), *goods(1, standstill=True))
+        assert left.level is (WatchLevel.TRACTION_CUT if bad == 3 and count < 5 else WatchLevel.NORMAL)
 
 
 @pytest.mark.parametrize("cause", [Seen(1001), Seen(0, GOOD, overspeed=True)])
