@@ -62,9 +62,11 @@ class Stages(Generic[T]):
         after = self._at(stage, tracking, ar.where(ar.gt(refused, zero), tracking, near), after)
         brakes = ar.where(ar.gt(begins, zero), braking, armed)
         after = self._at(stage, armed, ar.where(ar.gt(refused, zero), tracking, brakes), after)
-        after = self._at(stage, braking, braking, after)
-        # A train that has been stopped on its way stays as well: its doors open.
-        after = self._at(stage, rising, ar.where(still, stands, after), after)
+        after = self._at(stage, braking, ar.where(still, stands, braking), after)
+        # A train that has been stopped on its way stays as well: its doors open. One wrong telegram, which the speed
+        # contradicts, must not stop it there.
+        stopped = ar.where(ar.gt(measured.samples[-1], self._moving), after, ar.where(still, stands, after))
+        after = self._at(stage, rising, stopped, after)
         after = self._at(stage, stands, ar.where(ar.gt(learned, zero), learnt, stands), after)
         after = ar.where(ar.gt(stage, stands), learnt, after)
         return ar.note("stage_now", after, 0)

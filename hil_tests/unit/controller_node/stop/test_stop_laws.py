@@ -310,3 +310,12 @@ def test_a_train_that_was_stopped_on_its_way_is_not_driven_again(law, parameters
     found = [driven.step(**still) for _ in range(60)]
     assert {one["stage"] for one in found} == {Stage.STANDSTILL}
     assert found[-1]["u"] <= 0.0
+
+
+@pytest.mark.parametrize(("law", "parameters"), LAWS)
+@pytest.mark.parametrize("stage", [Stage.TRACK, Stage.ARMED])
+def test_a_standstill_that_the_speed_contradicts_does_not_stop_the_train_on_its_way(law, parameters, stage):
+    driven = Driven(law, parameters)
+    driven.until(stage)
+    assert {driven.step(standstill=1.0)["stage"] for _ in range(8)} <= {Stage.TRACK, Stage.ARMED}
+    assert driven.until(Stage.BRAKE, standstill=0.0)["odometer_m"] > 100.0
