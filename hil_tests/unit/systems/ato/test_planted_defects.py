@@ -33,3 +33,11 @@ def test_a_planted_defect_violates_its_sentence_and_the_bench_without_it_does_no
     assert (sound.is_valid, dict(sound.violated)) == (True, {})
     plant_here(defect, monkeypatch)
     assert by in judged().violated
+
+
+@pytest.mark.slow
+def test_a_restart_while_the_notch_returns_on_its_ramp_violates_no_sentence(hop: RunSpec) -> None:
+    """The new controller begins with notch 0 after a silence: this step is none of the ramp."""
+    faults = ("controller stop @4s for 500ms", "controller restart @5s for 60ms")
+    found = run_case(hop, read_requirements("ato"), faults, seed=0)
+    assert (found.is_valid, dict(found.violated)) == (True, {})
