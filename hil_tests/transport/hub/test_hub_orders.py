@@ -13,7 +13,7 @@ import pytest
 from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE
-from railhil.bus.hub.cli import add_arguments, run
+from railhil.bus.hub.cli import add_arguments, work
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.disturbances import GUARD_FRAMES, Host, Notices, Order
 from railhil.bus.link.errorframe import describe
@@ -305,6 +305,6 @@ def test_a_notice_does_not_hide_what_has_arrived_with_it() -> None:
 def test_restart_ms_needs_the_model(socket_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    assert run(parser.parse_args(["-c", str(socket_folder / "hub.sock"), "--restart-ms", "5"])) == 2
+    assert work(parser.parse_args(["-c", str(socket_folder / "hub.sock"), "--restart-ms", "5"])) == 2
     line = "railhil bus hub: error: option --restart-ms: found without --faults, allowed: only with it\n"
     assert capsys.readouterr().err == line

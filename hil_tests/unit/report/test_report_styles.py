@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from railhil.cli.run import law_names
 from railhil.common.plug_ins import sort_laws
 from railhil.controller_node.ato.laws import ORDER
 from railhil.report.styles import Style, styles
+from railhil.scenarios.system import system_named
 from railhil.systems.ato.scenario.model import Scenario
 
 
@@ -35,4 +35,5 @@ def test_runs_differ_also_in_grey() -> None:
 def test_laws_stand_in_the_order_of_the_published_table(lvshun: Scenario) -> None:
     assert [row.controller for row in lvshun.published] == list(ORDER[:5])
     assert sort_laws(["zeta", "ipfc_plus", "tdmc", "alpha", "ipfc"]) == ["ipfc", "tdmc", "ipfc_plus", "alpha", "zeta"]
-    assert law_names() == sort_laws(law_names())
+    laws = system_named("ato").law_names()
+    assert list(laws) == sort_laws(laws)
